@@ -3,7 +3,7 @@
 use super::distances::{LANES, PlaceOf, dot, lanes, place, splat};
 use super::normal_equations::{PRODUCTS, add_products, of_products, sums_of_lanes};
 use super::surface::{Place, Surface};
-use crate::geometry::{Cylinder, any_orthogonal};
+use crate::geometry::{Cylinder, Line, any_orthogonal};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
 use pulp::{Arch, Simd, WithSimd};
@@ -70,10 +70,16 @@ pub(crate) fn slope_by_points(
     (weight, reach): (f64, f64),
     others: impl Iterator<Item = (Vector3<f64>, f64)>,
 ) -> Option<[f64; 2]> {
+    // In units of the radius: single precision may not hold the squares of lengths in the caller's unit.
+    let unit = cylinder.radius;
+    let axis = Line { point: cylinder.axis.point / unit, ..cylinder.axis };
+    let cylinder = &Cylinder { axis, radius: 1.0 };
+    let (weight, reach) = (weight * unit * unit, reach / unit);
     let surface = Surface::Cylinder(*cylinder, 0.0);
     let mut step = ToCone::new(cylinder);
     let mut groups: List<Group> = List::new();
     for (k, point) in points.enumerate() {
+        let point = point / unit;
         let [x, y, z, weight] = [point.x, point.y, point.z, weight].map(|number| number as f32);
         if k % LANES == 0 {
             groups.push([[x; LANES], [y; LANES], [z; LANES], [0.0; LANES]]);
@@ -84,8 +90,8 @@ pub(crate) fn slope_by_points(
     }
     step.add_sums(Arch::new().dispatch(Pass { groups: &groups, surface, across: &step.across, reach }));
     for (point, weight) in others {
-        let place = surface.place(&point);
-        step.add(&place, place.distance, 0.0, weight);
+        let place = surface.place(&(point / unit));
+        step.add(&place, place.distance, 0.0, weight * unit * unit);
     }
     // These points have no bias.
     step.expect(0.0, cylinder.radius);
@@ -142,7 +148,6 @@ impl WithSimd for Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Line;
 
     /// Points on a cone about an axis that is a little off the one that is asked about.
     #[test]
@@ -169,6 +174,27 @@ mod tests {
                 // A thousandth of a unit of noise, over lengths of 0.032 about their mean: 1e-3 / (√400 · 0.032).
                 assert!((deviation / 1.58e-3 - 1.0).abs() < 0.05, "{deviation}");
             }
+        }
+    }
+
+    #[test]
+    fn the_unit_of_length_does_not_matter() {
+        let direction = Vector3::y();
+        let slope_in = |unit: f64| {
+            let axis = Line { point: Vector3::new(0.02, 0.0, 0.8) * unit, direction };
+            let points = (0..400).map(|k| {
+                let (angle, along) = (0.017 * f64::from(k), 0.01 * f64::from(k % 11) - 0.05);
+                let radius = 0.04 + 0.03 * along;
+                axis.point + Vector3::new(radius * angle.cos(), along, radius * angle.sin()) * unit
+            });
+            let precision = (0.001 * unit).powi(-2);
+            let cylinder = Cylinder { axis, radius: 0.04 * unit };
+            slope_by_points(&cylinder, points, (precision, 0.02 * unit), std::iter::empty()).unwrap()
+        };
+        let [slope, deviation] = slope_in(1.0);
+        for unit in [1e3, 1e25, 1e-25] {
+            let [other, its_deviation] = slope_in(unit);
+            assert!((other - slope).abs() < 1e-5 && (its_deviation / deviation - 1.0).abs() < 1e-4, "{unit}");
         }
     }
 

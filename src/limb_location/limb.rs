@@ -33,8 +33,8 @@ constants! {
     /// Spacing of these lines in pixels: well within the reach of the Gauss–Newton steps.
     SCAN_STEP = 0.5, "px";
 
-    /// The cost within which two places of a limb are both followed up, the square of as many standard deviations: the blur is
-    /// not known yet.
+    /// The cost within which two places of a limb are both followed up, three standard deviations squared: the blur is not known
+    /// yet.
     pub(super) AMBIGUOUS = 9.0, "";
 
     /// The least distance of such places in pixels: blur moves a minimum by less.
@@ -53,6 +53,9 @@ constants! {
     /// (docs/measurements-limbs.md).
     SLOPE_TEMPERATURE = 1.4, "";
 }
+
+/// What speaks against a line that ran away from its place: more than against any place.
+const RAN_AWAY: f64 = 1e6;
 
 /// Where the blur stands among the unknowns, after four of each limb.
 pub(super) const BLUR: usize = 8;
@@ -93,7 +96,7 @@ pub(super) struct Limb<'a> {
     pub background: Background,
     /// Where the scan found the limb without slopes of the background, if these explain it better there.
     sloped_at: Option<f64>,
-    /// The blocks that the scan compared places by.
+    /// How many blocks the scan compared places by.
     scanned: usize,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
@@ -107,13 +110,13 @@ pub(super) struct Limb<'a> {
     pub misfit: f64,
 }
 
-/// A place of a limb that the scan looked at.
+/// A place of a limb, and what speaks against it.
 #[derive(Clone, Copy)]
-struct Scanned {
+struct Place {
     state: LimbState,
     /// Twice the negative log-likelihood of the pixels.
     of_pixels: f64,
-    /// What speaks against it: see [`Limb::cost`].
+    /// The same of the mean block over [`PARTS_OF_BLOCK`], with that of what is expected of line and shading.
     cost: f64,
 }
 
@@ -208,24 +211,19 @@ impl<'a> Limb<'a> {
     pub fn scan(&mut self, kernel: &Kernel, near: &Near) -> List<LimbState> {
         let profile = &self.sharp.blurred(kernel);
         let count = (SCAN_REACH.get() / SCAN_STEP.get()) as i32;
-        let sums: List<(LimbState, List<BlockSums>)> = (-count..=count)
+        let sums: List<(StripLine, List<BlockSums>)> = (-count..=count)
             .map(|k| {
-                let mut limb = self.state;
-                limb.line.offset += f64::from(k) * SCAN_STEP.get();
-                (limb, sums_of_blocks(profile, &limb.line, near))
+                let mut line = self.state.line;
+                line.offset += f64::from(k) * SCAN_STEP.get();
+                (line, sums_of_blocks(profile, &line, near))
             })
             .collect();
         self.scanned = sums[0].1.len();
-        let places_on = |background: Background| -> List<Scanned> {
-            let place = |(limb, blocks): &(LimbState, List<BlockSums>)| {
-                let state = LimbState { shading: self.best_shading(blocks, background), ..*limb };
-                let of_pixels = self.cost_of_pixels(blocks, &state, background);
-                Scanned { state, of_pixels, cost: self.cost_beside(of_pixels, &state) }
-            };
-            sums.iter().map(place).collect()
+        let places_on = |background: Background| -> List<Place> {
+            sums.iter().map(|(line, blocks)| self.place(blocks, line, background)).collect()
         };
         let [flat, sloped] = [Background::Flat, Background::Sloped].map(places_on);
-        let least = |places: &mut dyn Iterator<Item = &Scanned>| {
+        let least = |places: &mut dyn Iterator<Item = &Place>| {
             places.min_by(|a, b| a.cost.total_cmp(&b.cost)).copied()
         };
         let [Some(of_flat), Some(of_sloped)] = [&flat, &sloped].map(|places| least(&mut places.iter()))
@@ -234,14 +232,14 @@ impl<'a> Limb<'a> {
         };
         // The price of a slope in each block (Schwarz, Annals of Statistics 6, 1978).
         let price: f64 = sums[0].1.iter().map(|block| block.count.ln()).sum();
-        let pays = |sloped: &Scanned, price: f64| sloped.of_pixels + price < of_flat.of_pixels;
-        let apart = |a: &Scanned, b: &Scanned| (a.state.line.offset - b.state.line.offset).abs();
-        let (places, best) = if pays(&of_sloped, TEMPERATURE.get() * price) {
+        let pays = |sloped: &Place, times: f64| sloped.of_pixels + times * price < of_flat.of_pixels;
+        let apart = |a: &Place, b: &Place| (a.state.line.offset - b.state.line.offset).abs();
+        let (places, best) = if pays(&of_sloped, TEMPERATURE.get()) {
             self.background = Background::Sloped;
             (&sloped, of_sloped)
         } else {
             let there = least(&mut sloped.iter().filter(|place| apart(place, &of_flat) < ELSEWHERE.get()));
-            let there = there.filter(|there| pays(there, SLOPE_TEMPERATURE.get() * price));
+            let there = there.filter(|there| pays(there, SLOPE_TEMPERATURE.get()));
             self.sloped_at = there.map(|_| of_flat.state.line.offset);
             (&flat, of_flat)
         };
@@ -252,21 +250,29 @@ impl<'a> Limb<'a> {
         [Some(best), other].into_iter().flatten().map(|place| place.state).collect()
     }
 
-    /// What speaks against a place of the limb by the blocks that the scan compared places by: infinitely much where the
-    /// profile does not reach all of them.
-    pub fn cost(&self, blocks: &[BlockSums], state: &LimbState, background: Background) -> f64 {
+    /// What speaks against the place where the limb is by the blocks that the scan compared places by, some of which the profile
+    /// does not reach where the line ran away.
+    pub fn cost(&self, blocks: &[BlockSums]) -> f64 {
         if blocks.len() < self.scanned {
-            return f64::INFINITY;
+            return RAN_AWAY;
         }
-        self.cost_beside(self.cost_of_pixels(blocks, state, background), state)
+        let of_pixels = self.cost_of_pixels(blocks, &self.state, self.background);
+        of_pixels / self.alike() + self.cost_of_expected(&self.state)
     }
 
-    /// The same by what their pixels say, with what is expected of line and shading.
-    fn cost_beside(&self, of_pixels: f64, state: &LimbState) -> f64 {
+    /// A place with the shading with which about least speaks against it.
+    fn place(&self, blocks: &[BlockSums], line: &StripLine, background: Background) -> Place {
+        let state = LimbState { line: *line, shading: self.best_shading(blocks, background) };
+        let of_pixels = self.cost_of_pixels(blocks, &state, background);
+        Place { state, of_pixels, cost: of_pixels / self.alike() + self.cost_of_expected(&state) }
+    }
+
+    /// Twice the negative log-likelihood of what is expected of line and shading.
+    fn cost_of_expected(&self, state: &LimbState) -> f64 {
         let ends = [-1.0, 1.0].map(|side| state.line.at(side * self.expected.half_length));
         let far = (ends[0] * ends[0] + ends[1] * ends[1]) / self.expected.deviation.powi(2);
         let of_shading = state.shading.norm_squared() / self.shading_deviation.powi(2);
-        of_pixels / self.alike() + far + of_shading
+        far + of_shading
     }
 
     /// Twice the negative log-likelihood of the pixels of the blocks.
@@ -284,7 +290,7 @@ impl<'a> Limb<'a> {
         PARTS_OF_BLOCK.get() * self.scanned.max(1) as f64
     }
 
-    /// The shading with which least speaks against a place.
+    /// The shading with which about least speaks against a place.
     fn best_shading(&self, blocks: &[BlockSums], background: Background) -> Vector2<f64> {
         let mut normal = Matrix2::identity() * (self.alike() * self.shading_deviation.powi(-2));
         let mut right = Vector2::zeros();
@@ -380,16 +386,16 @@ impl<'a> Limb<'a> {
 
 /// The line through the shifts of two blocks that most others agree with.
 fn line_of_most_blocks(blocks: &[Block]) -> StripLine {
-    let places: List<Place> = blocks
+    let places: List<Shift> = blocks
         .iter()
-        .map(|block| Place { s: block.s, shift: block.shift, variance: block.variance() })
+        .map(|block| Shift { s: block.s, shift: block.shift, variance: block.variance() })
         .collect();
     Arch::new().dispatch(MostBlocks { places: &places })
 }
 
 /// Where a block sees the limb.
 #[derive(Clone, Copy)]
-struct Place {
+struct Shift {
     s: f64,
     shift: f64,
     variance: f64,
@@ -401,7 +407,7 @@ const LINES: usize = 8;
 /// The search of [`line_of_most_blocks`]. Plain loops, which the compiler makes the widest instructions of the machine of; they
 /// all round alike.
 struct MostBlocks<'a> {
-    places: &'a [Place],
+    places: &'a [Shift],
 }
 
 impl WithSimd for MostBlocks<'_> {
@@ -423,7 +429,7 @@ impl WithSimd for MostBlocks<'_> {
                     slope[k] = (one.shift - other.shift) / (one.s - other.s);
                     offset[k] = one.shift - slope[k] * one.s;
                 }
-                for Place { s, shift, variance } in places {
+                for Shift { s, shift, variance } in places {
                     for k in 0..LINES {
                         let distance = shift - (offset[k] + slope[k] * s);
                         let square = distance * distance / variance;

@@ -91,10 +91,7 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], stated_blur: f64) -> RefinedImage {
     modes[0].take_slopes(&blur);
     limbs.clone_from_slice(&modes[0].limbs);
     see_less(limbs, &blur, modes[0].blur);
-    let least = modes[0].cost;
-    // Lines that ran away from their places are all alike, and stay only where no others are.
-    let weight = |cost: f64| if cost > least { ((least - cost) / 2.0).exp() } else { 1.0 };
-    let weights: List<f64> = modes.iter().map(|mode| weight(mode.cost)).collect();
+    let weights: List<f64> = modes.iter().map(|mode| ((modes[0].cost - mode.cost) / 2.0).exp()).collect();
     let sum: f64 = weights.iter().sum();
     for (k, limb) in limbs.iter_mut().enumerate() {
         let line = |mode: &Mode<'_>| mode.limbs[k].state.line.vector();
@@ -240,7 +237,7 @@ fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[Near]) -> f64 {
     let cost = |(limb, window): (&Limb<'_>, &Near)| {
         let profile = limb.sharp.blurred(&kernel);
         let sums = sums_of_blocks(&profile, &limb.state.line, window);
-        limb.cost(&sums, &limb.state, limb.background)
+        limb.cost(&sums)
     };
     limbs.iter().zip(windows).map(cost).sum()
 }
