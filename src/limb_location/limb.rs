@@ -40,10 +40,10 @@ constants! {
     /// The least distance of such places in pixels: blur moves a minimum by less.
     pub(super) ELSEWHERE = 1.0, "px";
 
-    /// By how much twice the log-likelihood of the mean block is divided when places are weighed against each other. What is
-    /// odd about a place, an edge of a label or of a shadow, is odd about all blocks and about many pixels of each: together
-    /// they say no more than half of one block (docs/measurements-limbs.md).
-    PARTS_OF_BLOCK = 2.0, "";
+    /// The effective number of blocks of a limb where places are weighed against each other. What is odd about a place, an edge
+    /// of a label or of a shadow, is odd about all blocks and about many pixels of each: together they say no more than half of
+    /// one block would whose pixels were independent (docs/measurements-limbs.md).
+    EFFECTIVE_BLOCKS = 0.5, "";
 
     /// By how much twice the log-likelihood is divided before it pays for the slopes of a background that choose a place: what
     /// is odd about one pixel is odd about its neighbours, too.
@@ -116,7 +116,7 @@ struct Place {
     state: LimbState,
     /// Twice the negative log-likelihood of the pixels.
     of_pixels: f64,
-    /// The same of the mean block over [`PARTS_OF_BLOCK`], with that of what is expected of line and shading.
+    /// The same for the effective number of blocks, with that of what is expected of line and shading.
     cost: f64,
 }
 
@@ -220,7 +220,11 @@ impl<'a> Limb<'a> {
             .collect();
         self.scanned = sums[0].1.len();
         let places_on = |background: Background| -> List<Place> {
-            sums.iter().map(|(line, blocks)| self.place(blocks, line, background)).collect()
+            let place = |(line, blocks): &(StripLine, List<BlockSums>)| {
+                let state = LimbState { line: *line, shading: self.best_shading(blocks, background) };
+                self.place(blocks, state, background)
+            };
+            sums.iter().map(place).collect()
         };
         let [flat, sloped] = [Background::Flat, Background::Sloped].map(places_on);
         let least = |places: &mut dyn Iterator<Item = &Place>| {
@@ -256,15 +260,14 @@ impl<'a> Limb<'a> {
         if blocks.len() < self.scanned {
             return RAN_AWAY;
         }
-        let of_pixels = self.cost_of_pixels(blocks, &self.state, self.background);
-        of_pixels / self.alike() + self.cost_of_expected(&self.state)
+        self.place(blocks, self.state, self.background).cost
     }
 
-    /// A place with the shading with which about least speaks against it.
-    fn place(&self, blocks: &[BlockSums], line: &StripLine, background: Background) -> Place {
-        let state = LimbState { line: *line, shading: self.best_shading(blocks, background) };
+    /// A place, and what speaks against it.
+    fn place(&self, blocks: &[BlockSums], state: LimbState, background: Background) -> Place {
         let of_pixels = self.cost_of_pixels(blocks, &state, background);
-        Place { state, of_pixels, cost: of_pixels / self.alike() + self.cost_of_expected(&state) }
+        let cost = of_pixels / self.variance_inflation() + self.cost_of_expected(&state);
+        Place { state, of_pixels, cost }
     }
 
     /// Twice the negative log-likelihood of what is expected of line and shading.
@@ -285,14 +288,14 @@ impl<'a> Limb<'a> {
         blocks.iter().filter_map(cost).sum()
     }
 
-    /// By how much twice the log-likelihood of the pixels of all blocks is divided when places are weighed against each other.
-    fn alike(&self) -> f64 {
-        PARTS_OF_BLOCK.get() * self.scanned.max(1) as f64
+    /// By how much the variance of what all blocks say about a place is larger than if their pixels were independent.
+    fn variance_inflation(&self) -> f64 {
+        self.scanned.max(1) as f64 / EFFECTIVE_BLOCKS.get()
     }
 
     /// The shading with which about least speaks against a place.
     fn best_shading(&self, blocks: &[BlockSums], background: Background) -> Vector2<f64> {
-        let mut normal = Matrix2::identity() * (self.alike() * self.shading_deviation.powi(-2));
+        let mut normal = Matrix2::identity() * (self.variance_inflation() * self.shading_deviation.powi(-2));
         let mut right = Vector2::zeros();
         for (information, gradient) in
             blocks.iter().filter_map(|block| block.of_shading(self.noise, background))

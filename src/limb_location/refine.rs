@@ -442,13 +442,16 @@ mod tests {
     fn a_line_that_ran_away_is_no_place_of_a_limb() {
         let scene = Scene { contrast: 100.0, noise: 1.0, shadow: 0.0 };
         let costs = with_limb(&scene.image(1), scene.noise, LENGTH, |mut limb| {
-            let windows = [Near::new(limb.strip, &limb.state.line, Window::full())];
+            let windows = [(); 2].map(|()| Near::new(limb.strip, &limb.state.line, Window::full()));
             limb.state = limb.scan(&Kernel::new(FIRST_BLUR.get(), SCAN_REACH.get()), &windows[0])[0];
-            let mut away = limb.clone();
+            let [mut beside, mut away] = [limb.clone(), limb.clone()];
+            beside.state.line.offset += 1.0;
             away.state.line.offset += 2.0 * SCAN_REACH.get();
-            [limb, away].map(|limb| cost(&[limb], FIRST_BLUR.get(), &windows))
+            let pairs = [[&limb, &limb], [&limb, &away], [&beside, &away]];
+            pairs.map(|pair| cost(&pair.map(Limb::clone), FIRST_BLUR.get(), &windows))
         });
-        assert!(costs[0] < costs[1], "{costs:?}");
+        // Of the other limb it takes nothing.
+        assert!(costs[0] < costs[1] && costs[1] < costs[2], "{costs:?}");
     }
 
     #[test]
