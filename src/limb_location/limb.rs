@@ -97,7 +97,7 @@ pub(super) struct Limb<'a> {
     /// Where the scan found the limb without slopes of the background, if these explain it better there.
     sloped_at: Option<f64>,
     /// How many blocks the scan compared places by.
-    scanned: usize,
+    scanned_blocks: usize,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
     pub state: LimbState,
@@ -138,7 +138,7 @@ impl<'a> Limb<'a> {
             shading_deviation,
             background: Background::Flat,
             sloped_at: None,
-            scanned: 0,
+            scanned_blocks: 0,
             scatter: 1.0,
             state: LimbState { line, shading: Vector2::zeros() },
             near: line,
@@ -218,7 +218,7 @@ impl<'a> Limb<'a> {
                 (line, sums_of_blocks(profile, &line, near))
             })
             .collect();
-        self.scanned = sums[0].1.len();
+        self.scanned_blocks = sums[0].1.len();
         let places_on = |background: Background| -> List<Place> {
             let place = |(line, blocks): &(StripLine, List<BlockSums>)| {
                 let state = LimbState { line: *line, shading: self.best_shading(blocks, background) };
@@ -257,7 +257,7 @@ impl<'a> Limb<'a> {
     /// What speaks against the place where the limb is by the blocks that the scan compared places by, some of which the profile
     /// does not reach where the line ran away.
     pub fn cost(&self, blocks: &[BlockSums]) -> f64 {
-        if blocks.len() < self.scanned {
+        if blocks.len() < self.scanned_blocks {
             return RAN_AWAY;
         }
         self.place(blocks, self.state, self.background).cost
@@ -290,7 +290,7 @@ impl<'a> Limb<'a> {
 
     /// By how much the variance of what all blocks say about a place is larger than if their pixels were independent.
     fn variance_inflation(&self) -> f64 {
-        self.scanned.max(1) as f64 / EFFECTIVE_BLOCKS.get()
+        self.scanned_blocks.max(1) as f64 / EFFECTIVE_BLOCKS.get()
     }
 
     /// The shading with which about least speaks against a place.
