@@ -37,6 +37,7 @@ mod start;
 mod taper;
 mod two_planes;
 mod uncertainty;
+mod unmasked;
 mod view;
 mod words;
 
@@ -231,8 +232,16 @@ impl Fitter {
     fn fit_in_memory(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
         let clock = Instant::now();
         self.check_memory(BYTES_OF_FIT)?;
-        let (mut made_with, mut result, mut last) = self.fit_views(List::new(), run, &clock)?;
-        if self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth) {
+        let masked = self.with_masks_of_points();
+        let has_masked = !masked.is_empty();
+        let first = match unless_cancelled(self.fit_views(masked, run, &clock))? {
+            Err(_) if has_masked => self.fit_views(List::new(), run, &clock),
+            first => first,
+        };
+        let (mut made_with, mut result, mut last) = first?;
+        let ends_with_depth = self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth);
+        // Without a mask the points may be anything, and a poor fit tells nothing of where their sides are.
+        if ends_with_depth || has_masked && !result.flags.contains(Flags::POOR_FIT) {
             for factor in outline::RADII {
                 run.check()?;
                 let drawn = self.drawn_again(&result.cylinder, factor);
@@ -242,7 +251,7 @@ impl Fitter {
                 let Ok(again) = unless_cancelled(self.fit_views(drawn, run, &clock))? else { break };
                 (made_with, result, last) = again;
             }
-            result.flags |= Flags::MASK_ENDS_WITH_DEPTH;
+            result.flags.set(Flags::MASK_ENDS_WITH_DEPTH, ends_with_depth);
         }
         result.seconds.total = clock.elapsed().as_secs_f64();
         self.made_with = Some(made_with);
@@ -313,9 +322,21 @@ impl Fitter {
         self.last.as_ref().filter(|_| self.options.start == StartKind::Last)
     }
 
+    /// By view: the view with its points as a mask, where it has none. Empty where no view has to be changed, and for the other
+    /// objectives, which take the views as they are.
+    fn with_masks_of_points(&self) -> List<Option<View>> {
+        if !self.options.is_robust() {
+            return List::new();
+        }
+        let masked: List<_> = self.views.iter().map(View::with_mask_of_points).collect();
+        if masked.iter().any(Option::is_some) { masked } else { List::new() }
+    }
+
     /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.
     fn drawn_again(&self, cylinder: &Cylinder, factor: f64) -> List<Option<View>> {
         let again = |view: &View| {
+            let masked = view.with_mask_of_points();
+            let view = masked.as_ref().unwrap_or(view);
             let needed = view.image().is_some() && view.mask_ends_with_depth();
             let seen = view.pose().inverse().cylinder(cylinder);
             needed.then(|| view.with_sides_of(&seen, factor)).flatten()

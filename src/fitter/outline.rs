@@ -27,6 +27,9 @@ const TRIM: f64 = 0.005;
 impl View {
     /// Whether the mask holds the pixels that have depth and no others: it ends where the depth does.
     pub fn mask_ends_with_depth(&self) -> bool {
+        if self.has_mask_of_points() {
+            return true;
+        }
         let (Some(mask), Some(depth)) = (&self.mask, self.depth()) else { return false };
         let lacks_depth = |&(column, row): &(usize, usize)| depth.depth(column, row).is_none();
         let allowed = (MOST_WITHIN * mask.count() as f64) as usize;
@@ -52,6 +55,8 @@ impl View {
         let belongs = |pixel: (usize, usize)| {
             depth.depth(pixel.0, pixel.1).is_none() && ray(pixel).is_some_and(|ray| between(&ray))
         };
-        Some(self.with_drawn_sides(mask.extended(belongs)))
+        // The mask shows a part of the cylinder, beyond which the rest is at most as wide as all of it.
+        let reach = (2.0 * (factor / pixel + MARGIN)).ceil() as usize;
+        Some(self.with_drawn_sides(mask.extended(reach, belongs)))
     }
 }

@@ -18,6 +18,8 @@ pub(crate) struct View {
     pub body: Option<Mask>,
     /// Whether the mask is known to hold the body alone.
     pub mask_is_body: bool,
+    /// Whether the mask was made of the points, as none was pushed.
+    mask_of_points: bool,
     /// Pieces of the limbs of other bodies in the image, from end to end in ideal pixels.
     pub limbs_of_others: Vec<[Vector2<f64>; 2]>,
     /// Whether the sides of the mask were drawn about the cylinder of a fit.
@@ -38,6 +40,7 @@ impl View {
             mask: self.mask.clone(),
             body,
             mask_is_body: self.mask_is_body,
+            mask_of_points: self.mask_of_points,
             limbs_of_others: self.limbs_of_others.clone(),
             sides_drawn: self.sides_drawn,
             cloud,
@@ -52,10 +55,20 @@ impl View {
         Self { mask: Some(mask), body: None, sides_drawn: true, ..self.clone() }
     }
 
+    /// The same view with a frame and a mask that were made of its points.
+    pub fn with_points_as_mask(&self, frame: Frame, mask: Mask) -> Self {
+        Self { frame, mask: Some(mask), mask_of_points: true, ..self.clone() }
+    }
+
     /// Whether the sides of the mask say something of their own: not where they were drawn about the cylinder of a fit, nor
     /// where a detector found the body by the depth, which is smeared at the limbs.
     pub fn sides_tell(&self) -> bool {
         !self.sides_drawn && !self.mask_is_body
+    }
+
+    /// Whether the mask was made of the points, as none was pushed.
+    pub fn has_mask_of_points(&self) -> bool {
+        self.mask_of_points
     }
 
     /// Whether a mask, if there is one, was drawn in the image, by a person or a network, and not made of the depth.

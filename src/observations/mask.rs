@@ -175,9 +175,9 @@ impl Mask {
             .filter(move |&(column, row)| !self.contains(column, row) && beside(column, row))
     }
 
-    /// The mask with the pixels (column, row) of the image that belong to it, too.
+    /// The mask with the pixels (column, row) of the image that belong to it, too: at most `reach` beyond its first and last column and row.
     #[must_use]
-    pub fn extended(&self, belongs: impl Fn((usize, usize)) -> bool) -> Self {
+    pub fn extended(&self, reach: usize, belongs: impl Fn((usize, usize)) -> bool) -> Self {
         let mut extended = Self {
             width: self.width,
             height: self.height,
@@ -186,10 +186,13 @@ impl Mask {
             rows: self.rows.clone(),
             remembered: Remembered::default(),
         };
-        for index in 0..self.pixels.len() {
-            let (column, row) = (index % self.width, index / self.width);
-            if !self.pixels[index] && belongs((column, row)) {
-                extended.pixels[index] = true;
+        let wider = |range: &Range<usize>, end: usize| {
+            range.start.saturating_sub(reach)..range.end.saturating_add(reach).min(end)
+        };
+        let (columns, rows) = (wider(&self.columns, self.width), wider(&self.rows, self.height));
+        for (column, row) in rows.flat_map(|row| columns.clone().map(move |column| (column, row))) {
+            if !self.contains(column, row) && belongs((column, row)) {
+                extended.pixels[row * self.width + column] = true;
                 extended.columns = extended.columns.start.min(column)..extended.columns.end.max(column + 1);
                 extended.rows = extended.rows.start.min(row)..extended.rows.end.max(row + 1);
             }
@@ -277,11 +280,13 @@ mod tests {
         assert_eq!((whole.count(), whole.outline().len()), (12, 10));
         assert_eq!(whole.surroundings().count(), 0);
         assert_eq!(mask.surroundings().collect::<Vec<_>>(), [(0, 0), (2, 0), (1, 1)]);
-        let extended = mask.extended(|(column, row)| column + row == 3);
+        let extended = mask.extended(9, |(column, row)| column + row == 3);
         assert_eq!(extended.set_pixels().collect::<Vec<_>>(), [(1, 0), (0, 1), (2, 1)]);
-        let extended = mask.extended(|(column, row)| column + row < 2);
+        let extended = mask.extended(9, |(column, row)| column + row < 2);
         assert_eq!(extended.set_pixels().collect::<Vec<_>>(), [(0, 0), (1, 0), (0, 1), (2, 1)]);
         assert_eq!(extended.bounds(), (0..3, 0..2));
+        let first = Mask::copy(&MaskView::from_u8(&[1, 0, 0, 0, 0], (5, 1)).unwrap()).unwrap();
+        assert_eq!(first.extended(2, |_| true).bounds(), (0..3, 0..1));
         assert!(mask.contains(1, 0) && !mask.contains(1, 1) && !mask.contains(3, 0));
         let error = mask.check_size("depth image", (3, 3)).unwrap_err();
         assert_eq!(error.to_string(), "mask is 3 x 2 but depth image is 3 x 3; both must have the same size");

@@ -3,7 +3,7 @@
 
 use super::frames::Inputs;
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
-use cylfuse::fitter::FitResult;
+use cylfuse::fitter::{FitResult, Fitter};
 use cylfuse::geometry::RigidMotion;
 use cylfuse::observations::EdgeSegment;
 use cylfuse::twin::{
@@ -63,7 +63,12 @@ pub fn fit_with_edges(frame: &Capture, focal: f64, mask: Vec<u8>, edges: &[EdgeS
 
 /// The fit to the depth within a mask.
 pub fn fit_without_image(frame: &Capture, focal: f64, mask: Vec<u8>) -> FitResult {
-    inputs(frame, focal, mask).fitter().fit().unwrap()
+    depth_of(frame, focal, mask).fit().unwrap()
+}
+
+/// A fitter with the depth within a mask.
+pub fn depth_of(frame: &Capture, focal: f64, mask: Vec<u8>) -> Fitter {
+    inputs(frame, focal, mask).fitter()
 }
 
 fn inputs(frame: &Capture, focal: f64, mask: Vec<u8>) -> Inputs {
