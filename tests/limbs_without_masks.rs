@@ -18,14 +18,20 @@ const FOCAL: f64 = 569.6;
 /// Pipes in front of a wall, on which they throw shadows.
 const PIPES: [(u64, u16); 3] = [(96_403, 1), (96_413, 3), (96_426, 3)];
 
-/// The points of an object as a cloud, with the image and without a mask.
-fn fit_to_points(frame: &Capture, object: u16) -> FitResult {
+/// The points of an object as a cloud, without a mask.
+fn cloud_of(frame: &Capture, object: u16) -> Fitter {
     let mask: Vec<u8> = frame.labels.iter().map(|&label| u8::from(label == object)).collect();
     let measured = depth_of(frame, FOCAL, mask);
     let points: Vec<[f64; 3]> = measured.cloud().points().map(Into::into).collect();
     let mut fitter = Fitter::new();
     fitter.set_intrinsics(intrinsics(FOCAL)).unwrap();
     fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter
+}
+
+/// The fit to them and the image.
+fn fit_to_points(frame: &Capture, object: u16) -> FitResult {
+    let mut fitter = cloud_of(frame, object);
     fitter.push_image(&ImageView::from_u8(&frame.image, SIZE).unwrap()).unwrap();
     fitter.fit().unwrap()
 }
@@ -46,4 +52,16 @@ fn the_edge_of_a_shadow_is_no_limb_where_points_end_before_it() {
         let of_masks = Flags::MASK_ENDS_WITH_DEPTH | Flags::MASK_DISAGREES;
         assert!(!result.flags.intersects(of_masks), "seed {seed}: {:?}", result.flags);
     }
+}
+
+/// Where the image shows no limb, the outline of the points does not stand in for one: depth is missing or drawn out beside limbs.
+#[test]
+fn an_image_that_shows_no_limb_changes_nothing() {
+    let (seed, object) = PIPES[0];
+    let mut frame = captured(&random_scene(Kind::Pipes, seed).unwrap(), FOCAL, seed);
+    frame.image.fill(90);
+    let blank = fit_to_points(&frame, object);
+    assert_eq!(blank.limbs_located, 0);
+    let without = cloud_of(&frame, object).fit().unwrap();
+    assert_eq!(blank.cylinder.radius.to_bits(), without.cylinder.radius.to_bits());
 }

@@ -118,6 +118,9 @@ struct MadeWith {
     bodies: List<Option<View>>,
 }
 
+/// What a fit was made with, its result, and what the next one may go on from.
+type Fitted = (MadeWith, FitResult, Last);
+
 impl Default for Fitter {
     fn default() -> Self {
         Self {
@@ -232,32 +235,59 @@ impl Fitter {
     fn fit_in_memory(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
         let clock = Instant::now();
         self.check_memory(BYTES_OF_FIT)?;
-        let masked = self.with_masks_of_points();
-        let has_masked = !masked.is_empty();
-        let first = match unless_cancelled(self.fit_views(masked, run, &clock))? {
-            Err(_) if has_masked => self.fit_views(List::new(), run, &clock),
-            first => first,
+        let (made_with, mut result, last) = match self.fit_by_outline(run, &clock)? {
+            Some(fit) => fit,
+            None => self.fit_as_pushed(run, &clock)?,
         };
-        let (mut made_with, mut result, mut last) = first?;
-        let ends_with_depth = self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth);
-        // Without a mask the points may be anything, and a poor fit tells nothing of where their sides are.
-        if ends_with_depth || has_masked && !result.flags.contains(Flags::POOR_FIT) {
-            for factor in outline::RADII {
-                run.check()?;
-                let drawn = self.drawn_again(&result.cylinder, factor);
-                if drawn.iter().all(Option::is_none) {
-                    break;
-                }
-                let Ok(again) = unless_cancelled(self.fit_views(drawn, run, &clock))? else { break };
-                (made_with, result, last) = again;
-            }
-            result.flags.set(Flags::MASK_ENDS_WITH_DEPTH, ends_with_depth);
-        }
         result.seconds.total = clock.elapsed().as_secs_f64();
         self.made_with = Some(made_with);
         self.result = Some(result);
         self.last = Some(last);
         Ok(result)
+    }
+
+    /// The fit of the views as they were pushed.
+    fn fit_as_pushed(&self, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
+        let fit = self.fit_views(List::new(), run, clock)?;
+        if !self.options.is_robust() || !self.views.iter().any(View::mask_ends_with_depth) {
+            return Ok(fit);
+        }
+        let (made_with, mut result, last) = self.fit_to_drawn(fit, false, run, clock)?;
+        result.flags |= Flags::MASK_ENDS_WITH_DEPTH;
+        Ok((made_with, result, last))
+    }
+
+    /// The fit of the views, of which those without a mask have that of their points. `None` where there are none, and where the fit is poor,
+    /// as the points may be anything, or locates no limb: then their outline alone would tell the radius.
+    fn fit_by_outline(&self, run: &mut Run<'_>, clock: &Instant) -> Result<Option<Fitted>> {
+        let masked = self.with_masks_of_points();
+        if masked.is_empty() {
+            return Ok(None);
+        }
+        let is_good = |fit: &Fitted| fit.1.limbs_located > 0 && !fit.1.flags.contains(Flags::POOR_FIT);
+        let first = unless_cancelled(self.fit_views(masked, run, clock))?;
+        let Some(first) = first.ok().filter(is_good) else { return Ok(None) };
+        Ok(Some(self.fit_to_drawn(first, true, run, clock)?).filter(is_good))
+    }
+
+    /// The fits after a first one, to sides that are drawn about the one before: of masks, and `of_points` that have none.
+    fn fit_to_drawn(
+        &self,
+        mut fit: Fitted,
+        of_points: bool,
+        run: &mut Run<'_>,
+        clock: &Instant,
+    ) -> Result<Fitted> {
+        for factor in outline::RADII {
+            run.check()?;
+            let drawn = self.drawn_again(&fit.1.cylinder, factor, of_points);
+            if drawn.iter().all(Option::is_none) {
+                break;
+            }
+            let Ok(again) = unless_cancelled(self.fit_views(drawn, run, clock))? else { break };
+            fit = again;
+        }
+        Ok(fit)
     }
 
     /// Frees the memory that the next call would use again, where none is to come soon.
@@ -281,12 +311,7 @@ impl Fitter {
     }
 
     /// A fit of the views, of which some are `drawn` again.
-    fn fit_views(
-        &self,
-        drawn: List<Option<View>>,
-        run: &mut Run<'_>,
-        clock: &Instant,
-    ) -> Result<(MadeWith, FitResult, Last)> {
+    fn fit_views(&self, drawn: List<Option<View>>, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
         let seconds = || clock.elapsed().as_secs_f64();
         let began = seconds();
         let separated = self.separated(drawn, run)?;
@@ -332,10 +357,10 @@ impl Fitter {
         if masked.iter().any(Option::is_some) { masked } else { List::new() }
     }
 
-    /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.
-    fn drawn_again(&self, cylinder: &Cylinder, factor: f64) -> List<Option<View>> {
+    /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth, or is one `of_points`.
+    fn drawn_again(&self, cylinder: &Cylinder, factor: f64, of_points: bool) -> List<Option<View>> {
         let again = |view: &View| {
-            let masked = view.with_mask_of_points();
+            let masked = if of_points { view.with_mask_of_points() } else { None };
             let view = masked.as_ref().unwrap_or(view);
             let needed = view.image().is_some() && view.mask_ends_with_depth();
             let seen = view.pose().inverse().cylinder(cylinder);
@@ -365,6 +390,8 @@ impl Fitter {
     /// The mask of a view as the last fit took it.
     pub(crate) fn fitted_mask(&self, view: usize) -> Option<&Mask> {
         let of_fit = self.made_with.as_ref().and_then(|made_with| made_with.bodies.get(view)?.as_ref());
+        // What stood in for a mask within the fit is none.
+        let of_fit = of_fit.filter(|view| !view.has_mask_of_points());
         of_fit.unwrap_or(&self.views[view]).mask.as_ref()
     }
 
