@@ -65,3 +65,21 @@ fn an_image_that_shows_no_limb_changes_nothing() {
     let without = cloud_of(&frame, object).fit().unwrap();
     assert_eq!(blank.cylinder.radius.to_bits(), without.cylinder.radius.to_bits());
 }
+
+/// The warning was lost where another view had no mask.
+#[test]
+fn a_mask_that_ends_with_depth_is_told_beside_a_view_without_one() {
+    let (seed, object) = PIPES[0];
+    let frame = captured(&random_scene(Kind::Pipes, seed).unwrap(), FOCAL, seed);
+    let with_depth = frame.labels.iter().zip(&frame.depth).map(|(&label, &z)| label == object && z > 0);
+    let mut fitter = depth_of(&frame, FOCAL, with_depth.map(u8::from).collect());
+    fitter.push_image(&ImageView::from_u8(&frame.image, SIZE).unwrap()).unwrap();
+    fitter.select_view(1).unwrap();
+    let cloud: Vec<[f64; 3]> = cloud_of(&frame, object).cloud().points().map(Into::into).collect();
+    fitter.set_intrinsics(intrinsics(FOCAL)).unwrap();
+    fitter.push_points(&PointsView::from_f64(&cloud), None).unwrap();
+    fitter.push_image(&ImageView::from_u8(&frame.image, SIZE).unwrap()).unwrap();
+    let result = fitter.fit().unwrap();
+    assert!(result.limbs_located > 0);
+    assert!(result.flags.contains(Flags::MASK_ENDS_WITH_DEPTH), "{:?}", result.flags);
+}

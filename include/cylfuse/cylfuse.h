@@ -2530,7 +2530,8 @@ CYLFUSE_NOEXCEPT;
  * Takes the image of the selected view, grey or in colour, in place of an earlier one;
  * `cylfuse_fitter_set_intrinsics` comes before.
  * With the objective ROBUST the limbs and the arcs of the ends are located in it and join the fit; with the extent
- * rule LOCATED the ends are. The objective PAPER and the methods other than FUSED never look at it.
+ * rule LOCATED the ends are. The objective PAPER and the methods other than FUSED never look at it. Without a mask and
+ * without edges the limbs are looked for beside the outline of the points, where these are as dense as the image.
  *
  * @param fitter the fitter
  * @param image read during the call only

@@ -219,7 +219,8 @@ impl Fitter {
     }
 
     /// Takes a grey or colour image on the grid of the camera of the selected view, in place of an earlier one. The robust
-    /// objective locates the limbs in it from the given edges, and the ends are located in it.
+    /// objective locates the limbs in it from the given edges, the sides of the mask, or without both the outline of the points where these
+    /// are as dense as the image, and the ends are located in it.
     ///
     /// # Errors
     /// `BadState` without intrinsics, `SizeMismatch` when it has another size than they, else see

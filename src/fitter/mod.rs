@@ -235,26 +235,22 @@ impl Fitter {
     fn fit_in_memory(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
         let clock = Instant::now();
         self.check_memory(BYTES_OF_FIT)?;
-        let (made_with, mut result, last) = match self.fit_by_outline(run, &clock)? {
+        let ends_with_depth = self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth);
+        let fit = match self.fit_by_outline(run, &clock)? {
+            None if ends_with_depth => {
+                let first = self.fit_views(List::new(), run, &clock)?;
+                self.fit_to_drawn(first, &[], run, &clock)?
+            }
+            None => self.fit_views(List::new(), run, &clock)?,
             Some(fit) => fit,
-            None => self.fit_as_pushed(run, &clock)?,
         };
+        let (made_with, mut result, last) = fit;
+        result.flags.set(Flags::MASK_ENDS_WITH_DEPTH, ends_with_depth);
         result.seconds.total = clock.elapsed().as_secs_f64();
         self.made_with = Some(made_with);
         self.result = Some(result);
         self.last = Some(last);
         Ok(result)
-    }
-
-    /// The fit of the views as they were pushed.
-    fn fit_as_pushed(&self, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
-        let fit = self.fit_views(List::new(), run, clock)?;
-        if !self.options.is_robust() || !self.views.iter().any(View::mask_ends_with_depth) {
-            return Ok(fit);
-        }
-        let (made_with, mut result, last) = self.fit_to_drawn(fit, false, run, clock)?;
-        result.flags |= Flags::MASK_ENDS_WITH_DEPTH;
-        Ok((made_with, result, last))
     }
 
     /// The fit of the views, of which those without a mask have that of their points. `None` where there are none, and where the fit is poor,
@@ -265,22 +261,22 @@ impl Fitter {
             return Ok(None);
         }
         let is_good = |fit: &Fitted| fit.1.limbs_located > 0 && !fit.1.flags.contains(Flags::POOR_FIT);
-        let first = unless_cancelled(self.fit_views(masked, run, clock))?;
+        let first = unless_cancelled(self.fit_views(masked.clone(), run, clock))?;
         let Some(first) = first.ok().filter(is_good) else { return Ok(None) };
-        Ok(Some(self.fit_to_drawn(first, true, run, clock)?).filter(is_good))
+        Ok(Some(self.fit_to_drawn(first, &masked, run, clock)?).filter(is_good))
     }
 
-    /// The fits after a first one, to sides that are drawn about the one before: of masks, and `of_points` that have none.
+    /// The fits after a first one, to sides that are drawn about the one before; `masked` are views with a mask of their points.
     fn fit_to_drawn(
         &self,
         mut fit: Fitted,
-        of_points: bool,
+        masked: &[Option<View>],
         run: &mut Run<'_>,
         clock: &Instant,
     ) -> Result<Fitted> {
         for factor in outline::RADII {
             run.check()?;
-            let drawn = self.drawn_again(&fit.1.cylinder, factor, of_points);
+            let drawn = self.drawn_again(masked, &fit.1.cylinder, factor);
             if drawn.iter().all(Option::is_none) {
                 break;
             }
@@ -357,16 +353,14 @@ impl Fitter {
         if masked.iter().any(Option::is_some) { masked } else { List::new() }
     }
 
-    /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth, or is one `of_points`.
-    fn drawn_again(&self, cylinder: &Cylinder, factor: f64, of_points: bool) -> List<Option<View>> {
+    /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.
+    fn drawn_again(&self, masked: &[Option<View>], cylinder: &Cylinder, factor: f64) -> List<Option<View>> {
         let again = |view: &View| {
-            let masked = if of_points { view.with_mask_of_points() } else { None };
-            let view = masked.as_ref().unwrap_or(view);
             let needed = view.image().is_some() && view.mask_ends_with_depth();
             let seen = view.pose().inverse().cylinder(cylinder);
             needed.then(|| view.with_sides_of(&seen, factor)).flatten()
         };
-        self.views.iter().map(again).collect()
+        self.views_or(masked).map(again).collect()
     }
 
     /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
@@ -391,7 +385,7 @@ impl Fitter {
     pub(crate) fn fitted_mask(&self, view: usize) -> Option<&Mask> {
         let of_fit = self.made_with.as_ref().and_then(|made_with| made_with.bodies.get(view)?.as_ref());
         // What stood in for a mask within the fit is none.
-        let of_fit = of_fit.filter(|view| !view.has_mask_of_points());
+        let of_fit = of_fit.filter(|view| !view.mask_of_points);
         of_fit.unwrap_or(&self.views[view]).mask.as_ref()
     }
 
@@ -402,9 +396,13 @@ impl Fitter {
 
     /// The data of all views, of some only the body.
     fn data_of<'a>(&'a self, bodies: &'a [Option<View>]) -> Result<Data<'a>> {
-        let body = |index: usize| bodies.get(index).and_then(Option::as_ref);
-        let views = self.views.iter().enumerate().map(|(index, view)| body(index).unwrap_or(view));
-        Data::new(&self.options, views, self.start.as_ref())
+        Data::new(&self.options, self.views_or(bodies), self.start.as_ref())
+    }
+
+    /// The views, or others in their places where there are any.
+    fn views_or<'a>(&'a self, others: &'a [Option<View>]) -> impl Iterator<Item = &'a View> + Clone {
+        let other = |index: usize| others.get(index).and_then(Option::as_ref);
+        self.views.iter().enumerate().map(move |(index, view)| other(index).unwrap_or(view))
     }
 
     /// What the last fit held the cylinder to, or the given segments.

@@ -27,7 +27,7 @@ const TRIM: f64 = 0.005;
 impl View {
     /// Whether the mask holds the pixels that have depth and no others: it ends where the depth does.
     pub fn mask_ends_with_depth(&self) -> bool {
-        if self.has_mask_of_points() {
+        if self.mask_of_points {
             return true;
         }
         let (Some(mask), Some(depth)) = (&self.mask, self.depth()) else { return false };

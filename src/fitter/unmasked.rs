@@ -2,6 +2,7 @@
 //! beside which of the lines in the image the surface ends.
 
 use super::view::View;
+use crate::camera::Camera;
 use crate::memory::List;
 use crate::observations::{DepthRange, DepthView, Mask, MaskView, pixel_at};
 
@@ -19,8 +20,9 @@ impl View {
         if self.mask.is_some() || !self.segments.is_empty() || self.image().is_none() {
             return None;
         }
-        let size = self.camera()?.size();
-        let (nearest, within) = self.nearest_points(size)?;
+        let camera = self.camera()?;
+        let size = camera.size();
+        let (nearest, within) = self.nearest_points(camera);
         let set: List<u8> = nearest.iter().map(|&depth| u8::from(depth > 0.0)).collect();
         let count: usize = set.iter().map(|&set| usize::from(set)).sum();
         let beside: usize = set.iter().zip(&set[1..]).map(|(&a, &b)| usize::from(a & b)).sum();
@@ -38,8 +40,8 @@ impl View {
     }
 
     /// The depth of the nearest point in each pixel, 0 for none, and how many points lie within the image.
-    fn nearest_points(&self, (width, height): (usize, usize)) -> Option<(List<f32>, usize)> {
-        let camera = self.camera()?;
+    fn nearest_points(&self, camera: &Camera) -> (List<f32>, usize) {
+        let (width, height) = camera.size();
         let mut nearest = List::filled(0.0_f32, width * height);
         let mut within = 0;
         for point in self.cloud.points() {
@@ -49,14 +51,14 @@ impl View {
             *nearest = if *nearest > 0.0 { nearest.min(depth) } else { depth };
             within += 1;
         }
-        Some((nearest, within))
+        (nearest, within)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, Distortion, Intrinsics};
+    use crate::camera::{Distortion, Intrinsics};
     use crate::observations::{EdgeSegment, ImageView, PointsView};
     use nalgebra::Vector2;
 

@@ -19,7 +19,7 @@ pub(crate) struct View {
     /// Whether the mask is known to hold the body alone.
     pub mask_is_body: bool,
     /// Whether the mask was made of the points, as none was pushed.
-    mask_of_points: bool,
+    pub mask_of_points: bool,
     /// Pieces of the limbs of other bodies in the image, from end to end in ideal pixels.
     pub limbs_of_others: Vec<[Vector2<f64>; 2]>,
     /// Whether the sides of the mask were drawn about the cylinder of a fit.
@@ -64,11 +64,6 @@ impl View {
     /// where a detector found the body by the depth, which is smeared at the limbs.
     pub fn sides_tell(&self) -> bool {
         !self.sides_drawn && !self.mask_is_body
-    }
-
-    /// Whether the mask was made of the points, as none was pushed.
-    pub fn has_mask_of_points(&self) -> bool {
-        self.mask_of_points
     }
 
     /// Whether a mask, if there is one, was drawn in the image, by a person or a network, and not made of the depth.
