@@ -241,9 +241,9 @@ func CompleteDepth[T uint16 | float32](fitter *Fitter, model *Cylinder, mask *Ma
 	return image, completionFromC(&completion), nil
 }
 
-// Extent finds the visible piece of a model (nil = that of the last fit) and what its ends are, by Options.ExtentRule,
-// in all views that have a camera and a mask; `mask` stands for that of the selected view (nil = the one that was
-// pushed). An end that is seen in several views is their mean by their variances; one that is seen in none is the
+// Extent finds the visible piece of a model (nil = that of the last fit) and what its ends are: in a view with a camera and a
+// mask by Options.ExtentRule, in others, and from inside a pipe, by the points on the surface. `mask` stands for that of the
+// selected view (nil = the one that was pushed). An end that is seen in several views is their mean by their variances; one that is seen in none is the
 // outermost of what they show.
 func (fitter *Fitter) Extent(model *Cylinder, mask *Mask) (Extent, error) {
 	c := model.optional()

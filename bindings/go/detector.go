@@ -107,7 +107,7 @@ type Detection struct {
 	Pixels uint64
 	// Result is the outcome of its fit.
 	Result Result
-	// Extent is its visible piece; nil where there is none: the cylinders of a cloud have no ends.
+	// Extent is its visible piece; that of a cylinder of a cloud ends with its points. It is nil where there is none.
 	Extent *Extent
 }
 

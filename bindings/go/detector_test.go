@@ -264,8 +264,8 @@ func TestCylindersOfACloud(t *testing.T) {
 	found, err := detector.DetectPoints(thePair.points)
 	must(t, err)
 	checkScene(t, detector, found, 0.1)
-	if found[0].Extent != nil {
-		t.Errorf("a cloud has ends: %+v", found[0].Extent)
+	if found[0].Extent == nil || found[0].Extent.EndSource != EndFromPoints {
+		t.Errorf("ends of a cloud: %+v", found[0].Extent)
 	}
 
 	// Not organised, float, one after the other with other things between them, and weights.

@@ -445,6 +445,7 @@ func TestNames(t *testing.T) {
 		TerminationStep.String():                               "step",
 		LimbSameLine.String():                                  "same line",
 		EndFromBorder.String():                                 "border",
+		EndFromPoints.String():                                 "points",
 		ColourBGRA.String():                                    "BGRA",
 		(InputPoints | InputImage).String():                    "points, image",
 		FlagUncertaintyUnknown.String():                        "uncertainty unknown",

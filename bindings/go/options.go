@@ -85,7 +85,8 @@ const (
 	EdgeUseAsGiven EdgeUse = C.CYLFUSE_EDGE_USE_AS_GIVEN
 )
 
-// ExtentRule is how the ends of the visible cylinder are found.
+// ExtentRule is how the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points on
+// the surface tell them.
 type ExtentRule int32
 
 const (

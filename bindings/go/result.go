@@ -404,6 +404,8 @@ const (
 	EndFromImage EndSource = C.CYLFUSE_END_SOURCE_IMAGE
 	// EndFromBorder: the last of the surface inside the border of the image.
 	EndFromBorder EndSource = C.CYLFUSE_END_SOURCE_BORDER
+	// EndFromPoints: the points on the surface, where there is no mask, and from inside a pipe.
+	EndFromPoints EndSource = C.CYLFUSE_END_SOURCE_POINTS
 )
 
 // Extent is the visible piece of the cylinder, in the reference frame: End = Start + Length * direction of the model.

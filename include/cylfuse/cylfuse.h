@@ -380,7 +380,8 @@ typedef int32_t cylfuse_edge_use;
 #define CYLFUSE_EDGE_USE_AS_GIVEN 1
 
 /**
- * How the ends of the visible cylinder are found.
+ * How the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points on the surface
+ * tell them.
  */
 typedef int32_t cylfuse_extent_rule;
 /**
@@ -392,8 +393,7 @@ typedef int32_t cylfuse_extent_rule;
  */
 #define CYLFUSE_EXTENT_RULE_EXTREMES 1
 /**
- * From all lines along the surface together, in the mask and, when there is one, in the image; from
- * inside a pipe as EXTREMES.
+ * From all lines along the surface together, in the mask and, when there is one, in the image.
  */
 #define CYLFUSE_EXTENT_RULE_LOCATED 2
 
@@ -1508,7 +1508,7 @@ typedef struct cylfuse_completion {
  */
 typedef int32_t cylfuse_end_state;
 /**
- * No depth was measured beyond the end, or no depth image was pushed.
+ * No depth was measured beyond the end, or nobody said what was, or no depth image was pushed.
  */
 #define CYLFUSE_END_STATE_UNKNOWN 0
 /**
@@ -1544,6 +1544,10 @@ typedef int32_t cylfuse_end_source;
  * The last of the surface inside the border of the image.
  */
 #define CYLFUSE_END_SOURCE_BORDER 3
+/**
+ * The points on the surface, where there is no mask, and from inside a pipe.
+ */
+#define CYLFUSE_END_SOURCE_POINTS 4
 
 /**
  * The visible piece of the cylinder: `end` = `start` + `length` * direction of the model.
@@ -2921,13 +2925,13 @@ cylfuse_status cylfuse_detector_get_cylinder(const struct cylfuse_detector *dete
 CYLFUSE_NOEXCEPT;
 
 /**
- * Reads the visible piece of one cylinder of a frame.
+ * Reads the visible piece of one cylinder. Those of a cloud end with their points.
  *
  * @param detector the detector
  * @param index the cylinder, from 0
  * @param out_extent where the extent goes; `cylfuse_extent_init` comes before
- * @return BAD_STATE when no scene was searched and for a cloud, whose cylinders have no ends; INVALID_ARGUMENT when there
- *   is no such cylinder, EDGE_GEOMETRY when no ray of its region meets it
+ * @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder, EDGE_GEOMETRY when no ray
+ *   of its region meets it and no points lie along it
  */
 CYLFUSE_API
 cylfuse_status cylfuse_detector_get_extent(const struct cylfuse_detector *detector,
@@ -3281,16 +3285,16 @@ cylfuse_status cylfuse_fitter_complete_depth(const struct cylfuse_fitter *fitter
 CYLFUSE_NOEXCEPT;
 
 /**
- * Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options, in all views that
- * have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is seen in
- * none is the outermost of what they show.
+ * Finds the visible piece of the cylinder and what its ends are: in a view with a camera and a mask by the `extent_rule`
+ * of the options, in others, and from inside a pipe, by the points on the surface. An end that is seen in several views is
+ * their mean by their variances; one that is seen in none is the outermost of what they show.
  *
- * @param fitter the fitter, with intrinsics
+ * @param fitter the fitter
  * @param model the model, in the reference frame; NULL = that of the last fit
  * @param mask the region in the selected view, of the size of its intrinsics; NULL = the mask of the view
  * @param out_extent where the extent goes; `cylfuse_extent_init` comes before
- * @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of
- *   the mask meets the cylinder
+ * @return BAD_STATE without a model, without points or a mask, and for a mask that is given without intrinsics;
+ *   SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of the mask meets the cylinder and no points lie along it
  */
 CYLFUSE_API
 cylfuse_status cylfuse_fitter_extent(const struct cylfuse_fitter *fitter,

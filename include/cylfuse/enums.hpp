@@ -176,6 +176,7 @@ enum class EndSource : cylfuse_end_source {
     Mask = CYLFUSE_END_SOURCE_MASK,
     Image = CYLFUSE_END_SOURCE_IMAGE,
     Border = CYLFUSE_END_SOURCE_BORDER,
+    Points = CYLFUSE_END_SOURCE_POINTS,
 };
 
 /** Data of a view, one bit each; joined by |. */

@@ -12,6 +12,7 @@
 
 mod arc;
 mod border;
+mod points;
 mod silhouette;
 mod surface;
 mod surroundings;
@@ -26,6 +27,7 @@ use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
 pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
 use nalgebra::{Vector2, Vector3};
+pub use points::ends_of_points;
 use silhouette::{RoughEnd, Silhouette, contains};
 use std::ops::ControlFlow;
 use surface::Surface;
@@ -35,8 +37,14 @@ use surroundings::Surroundings;
 /// The constants of the location of ends.
 #[must_use]
 pub fn constants() -> Vec<crate::constant::Constant> {
-    let files =
-        [CONSTANTS, arc::CONSTANTS, border::CONSTANTS, silhouette::CONSTANTS, surroundings::CONSTANTS];
+    let files = [
+        CONSTANTS,
+        arc::CONSTANTS,
+        border::CONSTANTS,
+        points::CONSTANTS,
+        silhouette::CONSTANTS,
+        surroundings::CONSTANTS,
+    ];
     files.concat()
 }
 
@@ -49,7 +57,7 @@ pub enum EndState {
     Cut,
     /// Something nearer than the surface covers what lies beyond.
     Hidden,
-    /// No depth was measured beyond the end.
+    /// No depth was measured beyond the end, or nobody said what was.
     Unknown,
 }
 
@@ -64,6 +72,8 @@ pub enum EndSource {
     Image,
     /// The last of the surface inside the border of the image.
     Border,
+    /// The points on the surface, where there is no mask, and from inside a pipe.
+    Points,
 }
 
 /// What is known of what a mask holds.
@@ -125,6 +135,8 @@ pub struct End {
     pub far_rim: List<ArcSample>,
     /// The arc by itself; `None` where the image did not show it.
     pub arc: Option<LastArc>,
+    /// Of an end that the points alone show, the middle of the part of its circle beside which they lie, in the coordinates of the view.
+    pub middle: Option<Vector3<f64>>,
 }
 
 /// An arc as the image shows it, from which the search in the next image of a sequence starts.
@@ -245,7 +257,7 @@ impl End {
     /// One without a rim, of which no image showed anything.
     fn new(position: f64, deviation: Option<f64>, state: EndState, source: EndSource) -> Self {
         let (samples, far_rim) = (List::new(), List::new());
-        Self { position, deviation, state, source, rim: false, samples, far_rim, arc: None }
+        Self { position, deviation, state, source, rim: false, samples, far_rim, arc: None, middle: None }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The finite extent of the visible cylinder (the paper's section 4.5.2) and what its ends look like.
 //!
 //! The paper takes the extreme points completed over the mask, so that one stray pixel of the mask moves an end.
-//! Here the ends are located from all generators together, see `src/end_location`.
+//! Here the ends are located from all generators together, see `src/end_location`. Where there is no mask, points tell them.
 
 mod uncertainty;
 
@@ -10,14 +10,15 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
-use crate::camera::Camera;
 use crate::completion::Region;
 pub use crate::end_location::{ArcSample, EndSource, EndState};
-use crate::end_location::{End, EndSearch, MaskContent, depth_tolerance, extreme_ends, locate_ends};
+use crate::end_location::{
+    End, EndSearch, MaskContent, depth_tolerance, ends_of_points, extreme_ends, locate_ends,
+};
 use crate::error::{Error, Result};
 #[cfg(doc)]
 use crate::fitter::ExtentRule;
-use crate::fitter::{FitResult, Fitter};
+use crate::fitter::{FitResult, Fitter, View};
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::limb_location::blur_of;
 use crate::memory::List;
@@ -27,6 +28,9 @@ use std::ops::ControlFlow;
 pub use uncertainty::ExtentUncertainty;
 
 const CALL: &str = "finding the extent";
+
+/// So many points, evenly spread over all, are enough to tell ends.
+const MOST_POINTS: usize = 1 << 17;
 
 /// The visible piece of the cylinder: `end` = `start` + `length` · direction of the model. Lengths are in the
 /// unit of the data.
@@ -61,8 +65,8 @@ pub struct Extent {
     /// them.
     pub limbs_known: bool,
     /// The uncertainty of ends, centre and length together with that of the fit. It is that of the visible piece: of
-    /// an end that is not [`EndState::Seen`] the cylinder may well go on. `None` for extremes, from inside a pipe, for
-    /// a model that the caller gave, and when the fit has none.
+    /// an end that is not [`EndState::Seen`] the cylinder may well go on. `None` for extremes, for a model that the caller
+    /// gave, and when the fit has none.
     pub uncertainty: Option<ExtentUncertainty>,
 }
 
@@ -75,14 +79,14 @@ struct EndsOfView {
 }
 
 impl Fitter {
-    /// The ends of the visible cylinder in all views with a camera and a mask, found by the [`ExtentRule`] of the options.
-    /// `model` stands in for the last fit, `mask` for the mask of the last depth image of the selected view; the depth
-    /// image also tells what the ends are. An end that several views show is their mean by their variances; one
-    /// that none shows is the outermost of where they lose it.
+    /// The ends of the visible cylinder in all views: in one with a camera and a mask found by the [`ExtentRule`] of the options, else, and
+    /// from inside a pipe, as the points on the surface show them. `model` stands in for the last fit, `mask` for the mask of the last
+    /// depth image of the selected view; the depth image also tells what the ends are. An end that several views show is their mean by
+    /// their variances; one that none shows is the outermost of where they lose it.
     ///
     /// # Errors
-    /// `BadState` without a model, intrinsics or mask (of one view); `SizeMismatch`, `EmptyMask`; `EdgeGeometry` when no
-    /// ray of a mask meets the cylinder.
+    /// `BadState` without a model, without points or a mask, and for a mask that is given without intrinsics; `SizeMismatch`, `EmptyMask`;
+    /// `EdgeGeometry` when no ray of a mask meets the cylinder and no points lie along it.
     pub fn extent(&self, model: Option<&Cylinder>, mask: Option<&MaskView<'_>>) -> Result<Extent> {
         self.memory().lend(|| Ok(self.find_extent(model, mask, None)?.0))
     }
@@ -115,23 +119,14 @@ impl Fitter {
         limbs_known: Option<bool>,
     ) -> Result<(Extent, List<EndsOfView>)> {
         let cylinder = self.model_or_result(CALL, model)?;
-        // Of several views any may show the ends; of one, what is missing has a name.
-        let region = Region::new(CALL, self, mask);
-        let region = if self.view_count() == 1 || mask.is_some() { Some(region?) } else { region.ok() };
+        let region = mask.map(|mask| Region::new(CALL, self, Some(mask))).transpose()?;
         let mut views = List::new();
-        for (index, view) in self.views().iter().enumerate() {
-            let selected = index == self.selected_view();
-            let own = region.as_ref().filter(|_| selected && mask.is_some()).map(|region| &*region.mask);
-            let Some((camera, mask)) = view.camera().zip(own.or(self.fitted_mask(index))) else { continue };
-            let is_region = own.is_none() && view.mask_is_body;
-            let content = if is_region { MaskContent::Region } else { MaskContent::Anything };
-            views.extend(self.ends_of(index, camera, (mask, content), &cylinder, limbs_known));
+        for index in 0..self.view_count() {
+            let own = region.as_ref().filter(|_| index == self.selected_view()).map(|region| &*region.mask);
+            views.extend(self.ends_of(index, own, &cylinder, limbs_known));
         }
         if views.is_empty() {
-            return Err(Error::EdgeGeometry {
-                reason: "no ray of a mask meets the cylinder".into(),
-                remedy: "check that mask and model belong to the same image",
-            });
+            return Err(self.no_ends(mask.is_some()));
         }
         let [start, end] = [0, 1].map(|side| combine(&views, side));
         // The error of a given model is not known.
@@ -159,18 +154,44 @@ impl Fitter {
         Ok((extent, views))
     }
 
-    /// The ends of one view in a mask, which may be known to hold the body alone.
+    /// Why no view has an end; a mask may have been given with the call.
+    fn no_ends(&self, mask_given: bool) -> Error {
+        let tells = |view: &View| view.mask.is_some() || !view.cloud.is_empty();
+        if mask_given || self.views().iter().any(tells) {
+            let reason = "no ray of a mask meets the cylinder, and no points lie along it".into();
+            return Error::EdgeGeometry {
+                reason,
+                remedy: "check that model and data belong to the same view",
+            };
+        }
+        Error::BadState { call: CALL, missing: "points or a mask", remedy: "push points, or give a mask" }
+    }
+
+    /// The ends of one view in a mask of its own, in that of the view as it was fitted, or else as its points show them.
     fn ends_of(
         &self,
         index: usize,
-        camera: &Camera,
-        (mask, content): (&Mask, MaskContent),
+        own: Option<&Mask>,
         cylinder: &Cylinder,
         limbs_known: Option<bool>,
     ) -> Option<EndsOfView> {
-        let view = &self.views()[index];
+        let (pushed, fitted) = (&self.views()[index], self.fitted_view(index));
+        // A mask that was made of points has a frame of its own.
+        let view = if fitted.mask_of_points { fitted } else { pushed };
         let into_view = view.pose().inverse();
         let seen = into_view.cylinder(cylinder);
+        let tolerance = depth_tolerance(&view.cloud, &seen);
+        let masked = view.camera().zip(own.or(fitted.mask.as_ref()));
+        // Rays along a pipe meet its wall anywhere.
+        if masked.is_none() || seen.contains_origin() {
+            let ends = ends_of_points(view.cloud.sampled(MOST_POINTS), &seen, tolerance);
+            if let Some(ends) = ends {
+                return Some(EndsOfView { view: index, into_view, limbs_known: false, ends });
+            }
+        }
+        let (camera, mask) = masked?;
+        let is_region = own.is_none() && view.mask_is_body;
+        let content = if is_region { MaskContent::Region } else { MaskContent::Anything };
         let noise = self.options().noise.in_image(camera.size());
         // Limbs that pass that near to the segments are taken as known.
         let near =
@@ -183,7 +204,7 @@ impl Fitter {
             drawn: view.mask_is_drawn(),
             depth: view.depth(),
             image: view.image(),
-            tolerance: depth_tolerance(&view.cloud, &seen),
+            tolerance,
             limbs_known: limbs_known
                 .unwrap_or_else(|| self.limbs_known(index) || self.result().is_some_and(near)),
             noise,

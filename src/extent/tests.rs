@@ -2,9 +2,9 @@
 
 use super::scene::{SIZE, Scene};
 use super::*;
-use crate::fitter::{ExtentRule, Method, ObjectiveKind, Options};
+use crate::fitter::{ExtentRule, Inputs, Method, ObjectiveKind, Options};
 use crate::noise::NoiseModel;
-use crate::observations::ImageView;
+use crate::observations::{ImageView, PointsView};
 use crate::residuals::{Rim, on_wall};
 use nalgebra::Vector2;
 
@@ -279,12 +279,84 @@ fn a_plain_image_leaves_the_mask() {
 }
 
 #[test]
-fn from_inside_a_pipe_the_rule_is_that_of_the_paper() {
-    let scene = Scene::tilted(0.3);
-    let (image, depth, mask) = scene.render(0);
-    let pipe = Cylinder::new(Vector3::new(0.0, 0.1, 0.0), Vector3::new(0.1, 0.0, 1.0), 0.4).unwrap();
-    let mut fitter = Scene::fitter(&depth, &mask);
-    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
+fn from_inside_a_pipe_the_points_tell_the_ends() {
+    // A camera that looks along the pipe about itself, whose wall was measured from 0.5 to 2 away.
+    let pipe = Cylinder::new(Vector3::new(0.02, 0.01, 0.0), Vector3::new(0.01, -0.02, 1.0), 0.2).unwrap();
+    let camera = Scene::camera();
+    let mut depth = vec![0.0_f32; SIZE.0 * SIZE.1];
+    for (k, depth) in depth.iter_mut().enumerate() {
+        let ray = camera.unproject(&Vector2::new((k % SIZE.0) as f64, (k / SIZE.0) as f64)).unwrap();
+        let z = pipe.first_hit(&ray).unwrap().z;
+        *depth = if z < 2.0 { z as f32 } else { 0.0 };
+    }
+    let mut fitter = Scene::fitter(&depth, &vec![1; SIZE.0 * SIZE.1]);
     let found = fitter.extent(Some(&pipe), None).unwrap();
-    assert_eq!((found.start_source, found.end_source), (EndSource::Extreme, EndSource::Extreme));
+    assert_eq!((found.start_source, found.end_source), (EndSource::Points, EndSource::Points));
+    // The wall leaves the image at the height of its corners and beside its edges, and few pixels reach far.
+    assert!(found.end.z > 1.8 && found.end.z < 2.1, "{found:?}");
+    assert!(found.start.z > 0.7 && found.start.z < 1.3, "{found:?}");
+    // Without points on it the mask is all that there is.
+    fitter.clear_inputs(Inputs::POINTS);
+    assert_eq!(fitter.extent(Some(&pipe), None).unwrap().end_source, EndSource::Extreme);
+}
+
+/// The points of the cylinder of a scene, and its image.
+fn points_and_image(scene: &Scene) -> (Vec<[f64; 3]>, Vec<f32>) {
+    let (image, depth, mask) = scene.render(0);
+    let camera = Scene::camera();
+    let point = |k: usize| {
+        let pixel = Vector2::new((k % SIZE.0) as f64, (k / SIZE.0) as f64);
+        (camera.unproject(&pixel).unwrap() * f64::from(depth[k])).into()
+    };
+    ((0..mask.len()).filter(|&k| mask[k] != 0).map(point).collect(), image)
+}
+
+#[test]
+fn points_alone_have_ends() {
+    for tilt in [0.0, 0.3, -0.6] {
+        let scene = Scene::tilted(tilt);
+        let mut fitter = Fitter::new();
+        fitter.push_points(&PointsView::from_f64(&points_and_image(&scene).0), None).unwrap();
+        fitter.set_start(Some(scene.cylinder));
+        fitter.fit().unwrap();
+        let found = fitter.extent(None, None).unwrap();
+        for error in errors(&scene, &found) {
+            assert!(error.abs() < 1.0, "tilt {tilt}: {error} pixels");
+        }
+        assert_eq!((found.start_source, found.end_source), (EndSource::Points, EndSource::Points));
+        assert_eq!((found.start_state, found.end_state), (EndState::Unknown, EndState::Unknown));
+        let [of_length, of_end] = [found.uncertainty.unwrap().length, found.end_deviation.unwrap()];
+        assert!(of_length > of_end && of_length < 2.0 * of_end, "{found:?}");
+        // Of a given model the ends are known, and not how uncertain it is.
+        let given = fitter.extent(Some(&scene.cylinder), None).unwrap();
+        assert!(given.uncertainty.is_none() && (given.length - found.length).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn points_with_an_image_have_their_ends_in_it() {
+    let scene = Scene::tilted(0.3);
+    let (points, image) = points_and_image(&scene);
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(Scene::intrinsics()).unwrap();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
+    fitter.fit().unwrap();
+    let found = fitter.extent(None, None).unwrap();
+    for error in errors(&scene, &found) {
+        assert!(error.abs() < 0.2, "{error} pixels");
+    }
+    assert_eq!((found.start_source, found.end_source), (EndSource::Image, EndSource::Image));
+}
+
+#[test]
+fn without_points_or_a_mask_there_are_no_ends() {
+    let cylinder = Scene::tilted(0.3).cylinder;
+    let mut fitter = Fitter::new();
+    let error = fitter.extent(Some(&cylinder), None).unwrap_err();
+    assert!(matches!(error, crate::error::Error::BadState { missing: "points or a mask", .. }), "{error}");
+    // One row across the axis, and points elsewhere.
+    fitter.push_points(&PointsView::from_f64(&[[0.0, 0.0, 9.0]; 50]), None).unwrap();
+    let error = fitter.extent(Some(&cylinder), None).unwrap_err();
+    assert!(matches!(error, crate::error::Error::EdgeGeometry { .. }), "{error}");
 }

@@ -29,8 +29,8 @@ pub struct ExtentUncertainty {
 /// or the covariance of the fit is singular.
 ///
 /// What is seen of an end is its arc in the image, and that stays where it is when the cylinder changes within its
-/// uncertainty: the ends move along the axis with it, as a cylinder that is farther away is longer. The errors by which
-/// the arcs were located are independent of that and of each other.
+/// uncertainty: the ends move along the axis with it, as a cylinder that is farther away is longer. Points stay where they are, too.
+/// The errors by which arcs and ends of points were located are independent of that and of each other.
 pub(super) fn of_ends(
     cylinder: &Cylinder,
     fit: &Uncertainty,
@@ -39,14 +39,16 @@ pub(super) fn of_ends(
     let [of_start, of_end] = [ends[0].0.deviation?.powi(2), ends[1].0.deviation?.powi(2)];
     let [at_start, at_end] = ends.map(|(end, into_view)| {
         let seen = into_view.cylinder(cylinder);
-        Some((rays(&seen, &LimbFrame::new(&seen)?, end.position), into_view))
+        let at = match end.middle {
+            Some(point) => Fixed::Point(point),
+            None => Fixed::Rays(rays(&seen, &LimbFrame::new(&seen)?, end.position)),
+        };
+        Some((at, into_view))
     });
     let (at_start, at_end) = (at_start?, at_end?);
     // Start, end and length.
     let joint = fit.propagate(|cylinder| {
-        let position = |(rays, into_view): &([Vector3<f64>; GENERATORS], RigidMotion)| {
-            position_on(&into_view.cylinder(cylinder), rays)
-        };
+        let position = |(at, into_view): &(Fixed, RigidMotion)| at.position_on(&into_view.cylinder(cylinder));
         let [start, end] = [position(&at_start)?, position(&at_end)?];
         let ends = [start, end].map(|position| cylinder.axis.at(position));
         let numbers = ends.iter().flatten().copied().chain([end - start]);
@@ -62,6 +64,24 @@ pub(super) fn of_ends(
         center: (start + end + both + along * (of_start + of_end)) * 0.25,
         length: (joint[(6, 6)] + of_start + of_end).sqrt(),
     })
+}
+
+/// What of an end stays where it is, in the coordinates of the view, when the cylinder changes within its uncertainty.
+enum Fixed {
+    /// The rays to its arc in the image.
+    Rays([Vector3<f64>; GENERATORS]),
+    /// The middle of the points beside it.
+    Point(Vector3<f64>),
+}
+
+impl Fixed {
+    /// The position of the end along the axis of a cylinder; `None` when a ray does not meet it.
+    fn position_on(&self, cylinder: &Cylinder) -> Option<f64> {
+        match self {
+            Self::Rays(rays) => position_on(cylinder, rays),
+            Self::Point(point) => Some(cylinder.axis.position_of(point)),
+        }
+    }
 }
 
 /// The rays to the arc of an end: to the generators that are evenly spaced between the limbs.
@@ -137,6 +157,7 @@ mod tests {
                 samples: crate::memory::List::new(),
                 far_rim: crate::memory::List::new(),
                 arc: None,
+                middle: None,
             });
             let at = |end| (end, RigidMotion::identity());
             let both = [at(&ends[0]), at(&ends[1])];

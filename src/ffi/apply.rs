@@ -314,16 +314,16 @@ impl From<&Extent> for cylfuse_extent {
     }
 }
 
-/// Finds the visible piece of the cylinder and what its ends are, by the `extent_rule` of the options, in all views that
-/// have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is seen in
-/// none is the outermost of what they show.
+/// Finds the visible piece of the cylinder and what its ends are: in a view with a camera and a mask by the `extent_rule`
+/// of the options, in others, and from inside a pipe, by the points on the surface. An end that is seen in several views is
+/// their mean by their variances; one that is seen in none is the outermost of what they show.
 ///
-/// @param fitter the fitter, with intrinsics
+/// @param fitter the fitter
 /// @param model the model, in the reference frame; NULL = that of the last fit
 /// @param mask the region in the selected view, of the size of its intrinsics; NULL = the mask of the view
 /// @param out_extent where the extent goes; `cylfuse_extent_init` comes before
-/// @return BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of
-///   the mask meets the cylinder
+/// @return BAD_STATE without a model, without points or a mask, and for a mask that is given without intrinsics;
+///   SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of the mask meets the cylinder and no points lie along it
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_extent(
     fitter: *const cylfuse_fitter,

@@ -273,7 +273,8 @@ impl cylfuse_image_use {
     }
 }
 
-/// How the ends of the visible cylinder are found.
+/// How the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points on the surface
+/// tell them.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct cylfuse_extent_rule(pub i32);
@@ -283,8 +284,7 @@ impl cylfuse_extent_rule {
     pub const AUTO: cylfuse_extent_rule = cylfuse_extent_rule(0);
     /// The rule of the paper: the extreme positions along the axis of the points completed over the mask.
     pub const EXTREMES: cylfuse_extent_rule = cylfuse_extent_rule(1);
-    /// From all lines along the surface together, in the mask and, when there is one, in the image; from
-    /// inside a pipe as EXTREMES.
+    /// From all lines along the surface together, in the mask and, when there is one, in the image.
     pub const LOCATED: cylfuse_extent_rule = cylfuse_extent_rule(2);
 }
 

@@ -149,13 +149,13 @@ pub unsafe extern "C" fn cylfuse_detector_get_cylinder(
     }
 }
 
-/// Reads the visible piece of one cylinder of a frame.
+/// Reads the visible piece of one cylinder. Those of a cloud end with their points.
 ///
 /// @param detector the detector
 /// @param index the cylinder, from 0
 /// @param out_extent where the extent goes; `cylfuse_extent_init` comes before
-/// @return BAD_STATE when no scene was searched and for a cloud, whose cylinders have no ends; INVALID_ARGUMENT when there
-///   is no such cylinder, EDGE_GEOMETRY when no ray of its region meets it
+/// @return BAD_STATE when no scene was searched, INVALID_ARGUMENT when there is no such cylinder, EDGE_GEOMETRY when no ray
+///   of its region meets it and no points lie along it
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_get_extent(
     detector: *const cylfuse_detector,

@@ -47,7 +47,7 @@ impl From<Option<Termination>> for cylfuse_termination {
 pub struct cylfuse_end_state(pub i32);
 
 impl cylfuse_end_state {
-    /// No depth was measured beyond the end, or no depth image was pushed.
+    /// No depth was measured beyond the end, or nobody said what was, or no depth image was pushed.
     pub const UNKNOWN: cylfuse_end_state = cylfuse_end_state(0);
     /// The surface ends there: what lies beyond is farther than the surface would be.
     pub const SEEN: cylfuse_end_state = cylfuse_end_state(1);
@@ -82,6 +82,8 @@ impl cylfuse_end_source {
     pub const IMAGE: cylfuse_end_source = cylfuse_end_source(2);
     /// The last of the surface inside the border of the image.
     pub const BORDER: cylfuse_end_source = cylfuse_end_source(3);
+    /// The points on the surface, where there is no mask, and from inside a pipe.
+    pub const POINTS: cylfuse_end_source = cylfuse_end_source(4);
 }
 
 impl From<EndSource> for cylfuse_end_source {
@@ -91,6 +93,7 @@ impl From<EndSource> for cylfuse_end_source {
             EndSource::Mask => Self::MASK,
             EndSource::Image => Self::IMAGE,
             EndSource::Border => Self::BORDER,
+            EndSource::Points => Self::POINTS,
         }
     }
 }

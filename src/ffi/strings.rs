@@ -29,6 +29,7 @@ const END_SOURCES: &[(cylfuse_end_source, &CStr)] = &[
     (cylfuse_end_source::MASK, c"MASK: where the surface leaves the mask"),
     (cylfuse_end_source::IMAGE, c"IMAGE: the arc of the end circle in the image"),
     (cylfuse_end_source::BORDER, c"BORDER: the last of the surface inside the border of the image"),
+    (cylfuse_end_source::POINTS, c"POINTS: the points on the surface"),
 ];
 
 const LIMB_STATUSES: &[(cylfuse_limb_status, &CStr)] = &[
@@ -141,7 +142,7 @@ mod tests {
     fn every_constant_of_a_result_has_a_text() {
         texts(0, 7, |n| cylfuse_termination_string(cylfuse_termination(n)), TERMINATIONS);
         texts(0, 4, |n| cylfuse_end_state_string(cylfuse_end_state(n)), END_STATES);
-        texts(0, 4, |n| cylfuse_end_source_string(cylfuse_end_source(n)), END_SOURCES);
+        texts(0, 5, |n| cylfuse_end_source_string(cylfuse_end_source(n)), END_SOURCES);
         texts(0, 9, |n| cylfuse_limb_status_string(cylfuse_limb_status(n)), LIMB_STATUSES);
         texts(1, 5, |n| cylfuse_part_string(cylfuse_part(u8::try_from(n).unwrap())), PARTS);
     }

@@ -68,7 +68,6 @@ use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
 use crate::memory::{List, Memory, is_there};
-use crate::observations::Mask;
 use continued::Last;
 use data::Data;
 use held::Held;
@@ -381,12 +380,10 @@ impl Fitter {
         self.views.iter().map(body).collect()
     }
 
-    /// The mask of a view as the last fit took it.
-    pub(crate) fn fitted_mask(&self, view: usize) -> Option<&Mask> {
+    /// A view as the last fit took it.
+    pub(crate) fn fitted_view(&self, view: usize) -> &View {
         let of_fit = self.made_with.as_ref().and_then(|made_with| made_with.bodies.get(view)?.as_ref());
-        // What stood in for a mask within the fit is none.
-        let of_fit = of_fit.filter(|view| !view.mask_of_points);
-        of_fit.unwrap_or(&self.views[view]).mask.as_ref()
+        of_fit.unwrap_or(&self.views[view])
     }
 
     /// The data of the last fit, or of everything that was pushed.

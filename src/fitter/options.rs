@@ -95,7 +95,7 @@ pub enum EdgeUse {
     AsGiven,
 }
 
-/// How the ends of the visible cylinder are found.
+/// How the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points on the surface tell them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ExtentRule {
     /// `Located` for the robust objective, `Extremes` for the paper's and for the methods other than fused.
@@ -103,8 +103,7 @@ pub enum ExtentRule {
     Auto,
     /// The paper's rule: the extreme positions along the axis of the points completed over the mask.
     Extremes,
-    /// From all generators together, in the mask and, when there is one, in the grey image. From inside a pipe,
-    /// which shows no end circle, the paper's rule.
+    /// From all generators together, in the mask and, when there is one, in the grey image.
     Located,
 }
 

@@ -22,7 +22,7 @@ pub struct Found {
     /// uncertainty. Of a cloud that was seen from its origin, the fit takes the points within 0.7 radii of the
     /// axis alone: next to limbs sensors draw them out.
     pub result: FitResult,
-    /// Its visible piece. `BadState` for a cloud: ends need a camera.
+    /// Its visible piece; of a cloud that of its points.
     pub extent: Result<Extent>,
     /// The samples in the image on the arcs of start and end; empty for an end that the image does not show.
     pub arcs: [Vec<ArcSample>; 2],

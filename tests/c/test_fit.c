@@ -35,7 +35,8 @@ void test_order_of_calls(void)
                 "needs a mask");
     CHECK_ERROR(fitter, cylfuse_fitter_complete_depth(fitter, &the_scene.truth, NULL, &depth_out, &completion),
                 BAD_STATE, "needs a mask");
-    CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, &the_scene.truth, NULL, &extent), BAD_STATE, "needs a mask");
+    CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, &the_scene.truth, NULL, &extent), BAD_STATE,
+                "needs points or a mask");
     CHECK_ERROR(fitter, cylfuse_fitter_extent(fitter, NULL, &mask, &extent), BAD_STATE, "give one or fit first");
     CHECK_OK(cylfuse_fitter_push_depth(fitter, &depth, &mask));
     CHECK_ERROR(fitter, cylfuse_fitter_complete(fitter, NULL, NULL, CYLFUSE_LAYOUT_PACKED, &out, &completion), BAD_STATE,

@@ -34,6 +34,7 @@ static void results_have_texts(void)
     CHECK(strcmp(cylfuse_termination_string(CYLFUSE_TERMINATION_COST), "COST: the cost no longer fell") == 0);
     CHECK(strcmp(cylfuse_end_state_string(CYLFUSE_END_STATE_SEEN), "SEEN: the surface ends there") == 0);
     CHECK(strncmp(cylfuse_end_source_string(CYLFUSE_END_SOURCE_BORDER), "BORDER: ", 8) == 0);
+    CHECK(strncmp(cylfuse_end_source_string(CYLFUSE_END_SOURCE_POINTS), "POINTS: ", 8) == 0);
     CHECK(strncmp(cylfuse_limb_status_string(CYLFUSE_LIMB_STATUS_NO_EDGE), "NO_EDGE: ", 9) == 0);
     CHECK(strncmp(cylfuse_part_string(CYLFUSE_PART_CAP), "CAP: ", 5) == 0);
     /* What is no constant has a text, too; so have no flag and several. */

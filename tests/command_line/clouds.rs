@@ -5,6 +5,8 @@ use serde_json::Value;
 use std::path::Path;
 
 const RADIUS: f64 = 0.05;
+/// Half a spacing beyond the first and the last of twenty rows.
+const LENGTH: f64 = 0.2;
 
 /// Points all around an oblique cylinder, exact to f64.
 fn points() -> Vec<[f64; 3]> {
@@ -35,7 +37,10 @@ fn check(name: &str, bytes: impl AsRef<[u8]>, tolerance: f64) -> Value {
     let radius = object["cylinder"]["radius"].as_f64().unwrap();
     assert!((radius / RADIUS - 1.0).abs() < tolerance, "{name}: {radius}");
     assert_eq!(object["fitted"], "cloud");
-    assert!(object["extent"].is_null() && object["completion"].is_null());
+    let extent = &object["extent"];
+    assert!((extent["length"].as_f64().unwrap() - LENGTH).abs() < 1e-3, "{name}: {extent}");
+    assert_eq!((&extent["start_source"], &extent["end_state"]), (&"points".into(), &"unknown".into()));
+    assert!(object["completion"].is_null());
     assert!(object["result"]["near_wall_fraction"].is_null());
     object
 }
@@ -113,7 +118,7 @@ fn several_clouds_and_a_table_without_units() {
     assert_eq!(table.code, 1);
     // The name of the folder is random, and may hold the unit.
     let text = table.stdout.replace(folder.path().to_str().unwrap(), "");
-    assert!(text.contains("0.0500000") && !text.contains("mm"), "{text}");
+    assert!(text.contains("0.0500000") && text.contains(" 0.200000 ± ") && !text.contains("mm"), "{text}");
     assert!(table.stderr.contains("line 1 has 2 numbers"), "{}", table.stderr);
     let out = folder.path().join("out");
     run(["fit", "--points", good, "--out", out.to_str().unwrap()]);

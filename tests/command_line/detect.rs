@@ -96,6 +96,7 @@ fn points_of_a_cloud_stay_and_have_numbers() {
     assert_eq!(before.len(), after.len());
     assert!(before.iter().zip(&after).all(|(old, new)| old.0 == new.0));
     for (index, found) in cylinders.iter().enumerate() {
+        assert_eq!(found["extent"]["end_source"], "points");
         assert_eq!(
             found["pixels"],
             after.iter().filter(|(_, number)| *number == index + 1).count(),

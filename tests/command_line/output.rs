@@ -271,7 +271,10 @@ fn without_a_mask_all_pixels_are_fitted_and_that_is_said() {
     let out = copy.path("out");
     let object = fitted(&copy.write(), &["--objective", "paper", "--out", out.to_str().unwrap()]);
     assert_eq!(object["cylinder"], masked["cylinder"]);
-    assert!(object["extent"].is_null() && object["completion"].is_null());
+    assert_eq!(object["extent"]["start_source"], "points");
+    let length = object["extent"]["length"].as_f64().unwrap();
+    assert!((length / 0.107 - 1.0).abs() < 0.05, "{length}");
+    assert!(object["completion"].is_null());
     assert_eq!(object["fitted"], "all_measured_pixels");
     assert!(object["notes"][0].as_str().unwrap().starts_with("no mask: all 4211 measured pixels"));
     assert!(out.join("overlay.png").exists() && !out.join("completed.ply").exists());

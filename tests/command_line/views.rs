@@ -208,7 +208,8 @@ fn views_without_a_mask_or_an_image_are_taken_with_the_others() {
     }
     let object = fitted(&views.write(&json), &[]);
     assert!(object["notes"][0].as_str().unwrap().starts_with("no mask: all"));
-    assert!(object["extent"].is_null() && object["completion"].is_null());
+    assert_eq!(object["extent"]["end_source"], "points");
+    assert!(object["completion"].is_null());
 }
 
 #[test]

@@ -110,6 +110,7 @@ fn end_source(source: EndSource) -> f64 {
         EndSource::Mask => 1.0,
         EndSource::Image => 2.0,
         EndSource::Border => 3.0,
+        EndSource::Points => 4.0,
     }
 }
 

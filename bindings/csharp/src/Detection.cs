@@ -13,7 +13,7 @@ namespace Cylfuse
         /// cref="Detector.MakeFitter"/>.</summary>
         public FitResult Result { get; }
 
-        /// <summary>Its visible piece; null where there is none: the cylinders of a cloud have no ends.</summary>
+        /// <summary>Its visible piece; that of a cylinder of a cloud ends with its points; null where there is none.</summary>
         public Extent Extent { get; }
 
         internal Detection(NativeDetection native, FitResult result, Extent extent)

@@ -137,7 +137,8 @@ namespace Cylfuse
         AsGiven = 1,
     }
 
-    /// <summary>How the ends of the visible cylinder are found.</summary>
+    /// <summary>How the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points
+    /// on the surface tell them.</summary>
     public enum ExtentRule
     {
         /// <summary>Located for the objective Robust, Extremes for Paper and for the methods other than
@@ -146,8 +147,8 @@ namespace Cylfuse
         /// <summary>The rule of the paper: the extreme positions along the axis of the points completed over the
         /// mask.</summary>
         Extremes = 1,
-        /// <summary>From all lines along the surface together, in the mask and, when there is one, in the image; from
-        /// inside a pipe as Extremes.</summary>
+        /// <summary>From all lines along the surface together, in the mask and, when there is one, in the
+        /// image.</summary>
         Located = 2,
     }
 

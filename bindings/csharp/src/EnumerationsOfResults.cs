@@ -149,6 +149,8 @@ namespace Cylfuse
         Image = 2,
         /// <summary>The last of the surface inside the border of the image.</summary>
         Border = 3,
+        /// <summary>The points on the surface, where there is no mask, and from inside a pipe.</summary>
+        Points = 4,
     }
 
     /// <summary>What a measurement says about a tolerance.</summary>

@@ -174,14 +174,15 @@ namespace Cylfuse
         public CompletedDepth<ushort> CompleteDepthUInt16(double scale, Cylinder model = null, Mask mask = null) =>
             CompleteDepth<ushort>(Native.DepthFormatU16, scale, model, mask);
 
-        /// <summary>Finds the visible piece of the cylinder and what its ends are, by <see
-        /// cref="FitOptions.ExtentRule"/>, in all views that have a camera and a mask. An end that is seen in several
-        /// views is their mean by their variances; one that is seen in none is the outermost of what they
-        /// show.</summary>
+        /// <summary>Finds the visible piece of the cylinder and what its ends are: in a view with a camera and a mask by
+        /// <see cref="FitOptions.ExtentRule"/>, in others, and from inside a pipe, by the points on the surface. An end
+        /// that is seen in several views is their mean by their variances; one that is seen in none is the outermost of
+        /// what they show.</summary>
         /// <param name="model">The model; null = that of the last fit.</param>
         /// <param name="mask">The region; null = the mask of the selected view.</param>
-        /// <exception cref="CylfuseException">BadState without model, intrinsics or mask, SizeMismatch, EmptyMask,
-        /// EdgeGeometry when no ray of the mask meets the cylinder.</exception>
+        /// <exception cref="CylfuseException">BadState without a model, without points or a mask, and for a mask that is
+        /// given without intrinsics; SizeMismatch, EmptyMask, EdgeGeometry when no ray of the mask meets the cylinder and
+        /// no points lie along it.</exception>
         public unsafe Extent Extent(Cylinder model = null, Mask mask = null)
         {
             using (var pins = new Pins())

@@ -125,7 +125,7 @@ namespace Cylfuse.Tests
             {
                 Detection[] found = detector.DetectPoints(PointCloud.From(Pair.Points));
                 CheckScene(detector, found, 0.1);
-                Check.That(found.All(one => one.Extent == null), "a cloud has ends");
+                Check.That(found.All(one => one.Extent.EndSource == EndSource.Points), "ends");
 
                 // Not organised, float, one after the other with other things between them, and weights.
                 double[] flat = Pair.Points.Cast<double>().ToArray();

@@ -34,7 +34,7 @@ export interface Detection {
   pixels: number;
   /** The outcome of its fit, with the cylinder in the reference frame. */
   result: Result;
-  /** Its visible piece; null where there is none: the cylinders of a cloud have no ends. */
+  /** Its visible piece; that of a cylinder of a cloud ends with its points; null where there is none. */
   extent: Extent | null;
 }
 

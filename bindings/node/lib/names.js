@@ -35,7 +35,7 @@ const enumerations = {
   },
   conformity: { undecided: 0, conforming: 1, 'not-conforming': 2 },
   part: { body: 1, cap: 2, 'inner-wall': 3, other: 4, behind: 5 },
-  endSource: { extreme: 0, mask: 1, image: 2, border: 3 },
+  endSource: { extreme: 0, mask: 1, image: 2, border: 3, points: 4 },
   endState: { unknown: 0, seen: 1, cut: 2, hidden: 3 },
   phase: { start: 1, solve: 2 },
   imageUse: { auto: 0, ignore: 1 },

@@ -221,9 +221,9 @@ export type EndState = 'unknown' | 'seen' | 'cut' | 'hidden';
 
 /**
  * What the position of an end was taken from: the extreme point completed over the mask, the mask, the arc of the end
- * circle in the image, or the border of the image.
+ * circle in the image, the border of the image, or the points on the surface, where there is no mask, and from inside a pipe.
  */
-export type EndSource = 'extreme' | 'mask' | 'image' | 'border';
+export type EndSource = 'extreme' | 'mask' | 'image' | 'border' | 'points';
 
 /** The visible piece of the cylinder, in the reference frame: end = start + length * direction. */
 export interface Extent {

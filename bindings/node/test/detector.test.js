@@ -110,7 +110,7 @@ test('the cylinders of a cloud', async () => {
   const found = await detector.detectPoints(points);
   check(detector, found, 0.1);
   assert.equal(detector.labels().height, 120);
-  assert.ok(found.every(({ extent }) => extent === null));
+  assert.ok(found.every(({ extent }) => extent.endSource === 'points'));
   assert.deepEqual(bare(detector.detectPointsSync(points)), bare(found));
 
   // Not organised, float, one after the other with other things between them, and weights.

@@ -133,9 +133,7 @@ def test_cylinders_of_a_cloud() -> None:
         check(detector, detector.detect_points(POINTS), 0.1)
         assert detector.labels.shape == (HEIGHT, WIDTH)
         one = detector.detections[0]
-        assert one.extent is None
-        with pytest.raises(cylfuse.StateError, match="intrinsics"):
-            one.result.extent
+        assert one.extent is not None and one.extent.end_source == cylfuse.EndSource.POINTS
         with pytest.raises(cylfuse.StateError, match="of a detector"):
             one.result.residuals()
 

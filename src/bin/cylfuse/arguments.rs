@@ -106,7 +106,7 @@ pub struct FitArguments {
     pub no_edges: bool,
 
     /// Use the edge segments as measurements: do not locate the limbs in the image, only the ends. The paper's objective
-    /// always does so, and locates no ends either.
+    /// always does so, and takes the extremes of the mask for the ends.
     #[arg(long, conflicts_with = "no_edges", help_heading = "Estimation")]
     pub edges_as_given: bool,
 
@@ -165,7 +165,8 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
   views              several views of the cylinder, { \"views\": [{ ... }, { ... }] }: a list of
                      objects like the one above, in place of it, each with its pose
 
-Without a mask all measured pixels are fitted, including the background, and there is no extent.";
+Without a mask all measured pixels are fitted, including the background, and the ends are those of the
+points on the cylinder.";
 
 /// `cylfuse demo`.
 #[derive(Debug, Args)]

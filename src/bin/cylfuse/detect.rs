@@ -287,16 +287,16 @@ fn of_frame(found: &scene::Found) -> Found {
         arc_samples: found.extent.as_ref().ok().map(|_| found.arcs.each_ref().map(Vec::len)),
         ..ViewValues::new(Fitted::Mask)
     }]);
-    match &found.extent {
-        Ok(extent) => cylinder.measurement.set_extent(extent),
-        Err(error) => cylinder.measurement.notes.push(format!("no extent: {error}")),
-    }
     cylinder
 }
 
-/// A cylinder of a cloud, which has no ends.
+/// A cylinder of a cloud.
 fn of_cloud(found: &scene::Found) -> Found {
-    let measurement = Measurement::new(found.fit_options(), &found.result);
+    let mut measurement = Measurement::new(found.fit_options(), &found.result);
+    match &found.extent {
+        Ok(extent) => measurement.set_extent(extent),
+        Err(error) => measurement.no_extent(error),
+    }
     Found { score: found.score, pixels: found.pixels, measurement }
 }
 

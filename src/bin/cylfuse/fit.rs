@@ -10,7 +10,7 @@ use crate::page::{Illustration, PICTURE_WIDTH, POINTS_OF_CYLINDER};
 use crate::remarks;
 use crate::report::{Fitted, Measurement, Report, ViewValues};
 use cylfuse::completion::CompletionCounts;
-use cylfuse::extent::{ArcSample, Extent};
+use cylfuse::extent::ArcSample;
 use cylfuse::fitter::{Fitter, Options};
 use cylfuse::geometry::Cylinder;
 use cylfuse::observations::MaskView;
@@ -137,6 +137,10 @@ fn fit_cloud(path: &Path, settings: &Settings) -> Result<Measurement, Failure> {
     fitter.push_points(&cloud.view()?, None)?;
     let result = fitter.fit()?;
     let mut measurement = Measurement::new(&settings.options, &result);
+    match fitter.extent(None, None) {
+        Ok(extent) => measurement.set_extent(&extent),
+        Err(error) => measurement.no_extent(&error),
+    }
     measurement.seconds.read = read;
     measurement.seconds.total = clock.elapsed().as_secs_f64();
     measurement.illustration =
@@ -159,13 +163,12 @@ fn fit_frame(path: &Path, settings: &Settings, folder: Option<&Path>) -> Result<
     let result = fitter.fit().map_err(|error| Failure::from(error).with(&remarks))?;
     let mut measurement = Measurement::new(&settings.options, &result);
     let mut arcs = vec![<[Vec<ArcSample>; 2]>::default(); views.len()];
-    match find_extent(&mut fitter, &views) {
-        Some(Ok((extent, found))) => {
+    match fitter.extent_and_arcs(None, None) {
+        Ok((extent, found)) => {
             measurement.set_extent(&extent);
             arcs = found;
         }
-        Some(Err(error)) => measurement.notes.push(format!("no extent: {error}")),
-        None => {}
+        Err(error) => measurement.no_extent(&error),
     }
     let mut values = Vec::new();
     let mut completed = Completed::default();
@@ -210,22 +213,6 @@ fn push(fitter: &mut Fitter, index: usize, view: &View, edges: bool) -> cylfuse:
     }
     Ok(())
 }
-
-/// The extent, and by view the places of the arcs; none without any mask. A view with a mask must be selected, and see
-/// the cylinder there.
-fn find_extent(fitter: &mut Fitter, views: &[View]) -> Option<cylfuse::error::Result<Ends>> {
-    let masked = (0..views.len()).filter(|&index| views[index].mask.is_some());
-    let mut first_failure = None;
-    for index in masked {
-        match fitter.select_view(index).and_then(|()| fitter.extent_and_arcs(None, None)) {
-            Ok(found) => return Some(Ok(found)),
-            Err(error) => first_failure = first_failure.or(Some(Err(error))),
-        }
-    }
-    first_failure
-}
-
-type Ends = (Extent, Vec<[Vec<ArcSample>; 2]>);
 
 /// What is drawn of the selected view, which has an index.
 fn overlay<'a>(

@@ -53,6 +53,11 @@ const CLOUD_COLUMNS: &[Column] = &[
         let deviation = m.uncertainty.as_ref().map(|u| format!("{:.1e}", u.radius));
         with_deviation(&significant(m.cylinder.radius), deviation)
     }),
+    Column::number("length", |m| {
+        m.extent.as_ref().map_or("-".into(), |e| {
+            with_deviation(&significant(e.length), e.length_deviation.map(|d| format!("{d:.1e}")))
+        })
+    }),
     DIRECTION,
     POINTS,
     Column::number("noise", |m| significant(m.result.point_scale)),

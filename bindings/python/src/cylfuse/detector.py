@@ -29,8 +29,6 @@ class _Scene(NamedTuple):
     #: The shape of the labels.
     shape: tuple[int, ...]
     view: View
-    #: Whether the cylinders have masks, in which ends can be found.
-    masked: bool
 
 
 class Detector(Calling):
@@ -103,7 +101,7 @@ class Detector(Calling):
         handle = _check.instance("frame", frame, Frame)._open()
         camera = frame.intrinsics
         shape = (camera.height, camera.width) if camera is not None else (0, 0)
-        scene = _Scene(shape, View(camera, frame.pose), True)
+        scene = _Scene(shape, View(camera, frame.pose))
         return self._search(scene, lib.cylfuse_detector_detect, handle.pointer)
 
     def detect_points(
@@ -117,7 +115,7 @@ class Detector(Calling):
         front of it, the origin is taken for the sensor; other clouds are looked at from all sides, which takes ten times
         as long and more. By falling score; there may be none."""
         view = _arrays.points_view(points, weights, normals)
-        scene = _Scene(view.array[0].shape[:-1], View(None, Pose()), False)
+        scene = _Scene(view.array[0].shape[:-1], View(None, Pose()))
         return self._search(scene, lib.cylfuse_detector_detect_points, byref(view))
 
     def _search(self, scene: _Scene, function: Any, argument: Any) -> list[Detection]:
@@ -235,8 +233,8 @@ class Detector(Calling):
             return 0
 
         def ask() -> Fitter:
-            scene = self._scene or _Scene((), View(None, Pose()), False)
-            return Fitter._made(create, scene.view, scene.masked)
+            scene = self._scene or _Scene((), View(None, Pose()))
+            return Fitter._made(create, scene.view)
 
         fitter: Fitter = self._consistent(ask)
         return fitter

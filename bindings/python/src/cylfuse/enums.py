@@ -125,7 +125,8 @@ class EdgeUse(_Choice):
 
 
 class ExtentRule(_Choice):
-    """How the ends of the visible cylinder are found."""
+    """How the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points on the
+    surface tell them."""
 
     #: LOCATED for the objective ROBUST, EXTREMES for all else.
     AUTO = 0
@@ -207,6 +208,8 @@ class EndSource(_Choice):
     IMAGE = 2
     #: The last of the surface inside the border of the image.
     BORDER = 3
+    #: The points on the surface, where there is no mask, and from inside a pipe.
+    POINTS = 4
 
 
 class LimbStatus(_Choice):

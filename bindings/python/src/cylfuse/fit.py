@@ -45,7 +45,7 @@ def fit(
         depth where it is left out, and needed for uint16
     :param intrinsics: the camera: :class:`Intrinsics`, or the 3 x 3 camera matrix of a pinhole
     :param mask: rows x columns of bool or uint8: the visible lateral surface, give or take some pixels; None =
-        every measured pixel, and no extent
+        every measured pixel; the ends are then those of the points on the cylinder
     :param image: rows x columns of uint8, uint16 or float32, or in colour rows x columns x 3 or 4 of uint8: the image,
         in which the limbs are located
     :param edges: N x 4 (x1, y1, x2, y2): segments on the two limbs in pixels

@@ -34,18 +34,18 @@ class Fitter(Questions, Calling):
 
     def __init__(self, intrinsics: Optional[Intrinsics] = None, options: Optional[Options] = None) -> None:
         super().__init__(lib.cylfuse_fitter_create, lib.cylfuse_fitter_destroy)
-        self._begin(View(None, Pose()), False)
+        self._begin(View(None, Pose()))
         if options is not None:
             self.options = options
         if intrinsics is not None:
             self.intrinsics = intrinsics
 
     @classmethod
-    def _made(cls, create: Any, view: View, masked: bool) -> Fitter:
+    def _made(cls, create: Any, view: View) -> Fitter:
         """The fitter that a detector makes, with its view."""
         fitter = cls.__new__(cls)
         super(Fitter, fitter).__init__(create, lib.cylfuse_fitter_destroy)
-        fitter._begin(view, masked)
+        fitter._begin(view)
         return fitter
 
     def clone(self) -> Fitter:
@@ -56,17 +56,15 @@ class Fitter(Questions, Calling):
             self._call(lib.cylfuse_fitter_clone, out)
             return 0
 
-        fitter = Fitter._made(create, View(None, Pose()), False)
-        fitter._views, fitter._selected, fitter._masked = list(self._views), self._selected, set(self._masked)
+        fitter = Fitter._made(create, View(None, Pose()))
+        fitter._views, fitter._selected = list(self._views), self._selected
         return fitter
 
-    def _begin(self, view: View, masked: bool) -> None:
+    def _begin(self, view: View) -> None:
         #: Counts what changes the answers about the last result.
         self._revision = 0
         self._views = [view]
         self._selected = 0
-        #: The views that have a mask, in which ends can be found.
-        self._masked: set[int] = {0} if masked else set()
 
     def _call(self, function: Any, *arguments: Any, changes: bool = False) -> None:
         handle = self._open()
@@ -195,10 +193,6 @@ class Fitter(Questions, Calling):
         ``max_depth`` become no points; the extent is found with all."""
         view, mask_view = _arrays.depth_view(depth, scale, min_depth, max_depth), _arrays.mask_view(mask, label)
         self._call(lib.cylfuse_fitter_push_depth, byref(view), _optional(mask_view), changes=True)
-        self._masks(mask)
-
-    def _masks(self, mask: Any) -> None:
-        (self._masked.discard if mask is None else self._masked.add)(self._selected)
 
     def push_image(self, image: Array, gamma: float = 1.0, *, bgr: bool = False) -> None:
         """Takes the image of the selected view: grey (uint8, uint16 or float32), or in colour: uint8, rows x columns x
@@ -216,7 +210,6 @@ class Fitter(Questions, Calling):
         handle, view = _check.instance("frame", frame, Frame)._open(), _arrays.mask_view(mask, label)
         self._call(lib.cylfuse_fitter_use_frame, handle.pointer, _optional(view), changes=True)
         self._know(intrinsics=frame.intrinsics, pose=frame.pose)
-        self._masks(mask)
 
     def reserve(self, points: int, segments: int = 0) -> None:
         """Makes room for the coordinates of that many more points and for that many more segments in the selected view."""
@@ -229,19 +222,16 @@ class Fitter(Questions, Calling):
         self._call(lib.cylfuse_fitter_clear, changes=True)
         self._views = [View(self._views[0].intrinsics, Pose())]
         self._selected = 0
-        self._masked.clear()
 
     def clear_input(self, *inputs: Input | str) -> None:
         """Forgets some of the data of the selected view, such as ``clear_input("points", "depth")``."""
         kinds = {Input(kind) for kind in inputs}
         self._call(lib.cylfuse_fitter_clear_input, sum(kinds), changes=True)
-        if Input.DEPTH in kinds:
-            self._masked.discard(self._selected)
 
     # Fitting
 
     def fit(self) -> Result:
-        """Estimates the cylinder from everything that was pushed into all views, and its extent where a mask was."""
+        """Estimates the cylinder from everything that was pushed into all views, and its extent."""
         structs = make(_structs.Result), make(_structs.CylinderEstimate)
         self._call(lib.cylfuse_fitter_fit, byref(structs[0]), byref(structs[1]), changes=True)
         return self._found(structs)
@@ -249,9 +239,8 @@ class Fitter(Questions, Calling):
     def _found(self, structs: tuple[Any, Any]) -> Result:
         """The result of a fit that was just made."""
         result = self._result(structs)
-        if self._masked:
-            # Now, for the next frame takes the data away.
-            result._find_extent()
+        # Now, for the next frame takes the data away.
+        result._find_extent()
         return result
 
     def _result(self, structs: tuple[Any, Any]) -> Result:

@@ -214,8 +214,8 @@ class Questions(Closable):
         return CylinderDiagnosis(struct)
 
     def extent(self, model: Optional[Cylinder] = None, mask: Optional[Array] = None) -> Extent:
-        """The visible piece of the cylinder in all views with a camera and a mask; ``mask`` stands in for that of the
-        last depth image of the selected view."""
+        """The visible piece of the cylinder, in views with a camera and a mask by the mask, in others by the points on the
+        surface; ``mask`` stands in for that of the last depth image of the selected view."""
         struct = make(_structs.Extent)
         view = _arrays.mask_view(mask)
         self._call(lib.cylfuse_fitter_extent, _cylinder(model), _optional(view), byref(struct))

@@ -333,7 +333,7 @@ class Result(Record):
 
     @property
     def extent(self) -> Extent:
-        """The visible piece, found together with the fit; needs intrinsics and a mask."""
+        """The visible piece, found together with the fit."""
         if self._extent is None:
             self._extent = self._source().extent()
         if isinstance(self._extent, CylfuseError):
@@ -463,8 +463,8 @@ class Detection:
 
     @property
     def extent(self) -> Optional[Extent]:
-        """The visible piece; None where there is none: the cylinders of a cloud have no ends. ``result.extent`` raises
-        what says why."""
+        """The visible piece; that of a cylinder of a cloud ends with its points. None where there is none; ``result.extent``
+        raises what says why."""
         try:
             return self.result.extent
         except CylfuseError:

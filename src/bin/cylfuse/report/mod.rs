@@ -7,6 +7,7 @@ pub use views::{ExtentValues, Fitted, ViewValues};
 
 use crate::failure::Failure;
 use crate::page::Illustration;
+use cylfuse::error::Error;
 use cylfuse::extent::Extent;
 use cylfuse::fitter::{FitResult, Flags, Options, RadiusComparison, Uncertainty};
 use cylfuse::geometry::Cylinder;
@@ -167,8 +168,7 @@ impl Measurement {
         let mut notes = Vec::new();
         if views.iter().all(without) {
             notes.push(format!(
-                "no mask: all {} measured pixels are fitted, including the background, and there is no extent \
-                 and no completion",
+                "no mask: all {} measured pixels are fitted, including the background, and there is no completion",
                 self.result.points_used
             ));
         } else {
@@ -191,6 +191,11 @@ impl Measurement {
     /// Adds the extent.
     pub fn set_extent(&mut self, extent: &Extent) {
         self.extent = Some(extent.into());
+    }
+
+    /// Adds why there is none.
+    pub fn no_extent(&mut self, error: &Error) {
+        self.notes.push(format!("no extent: {error}"));
     }
 }
 

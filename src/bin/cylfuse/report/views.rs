@@ -170,6 +170,7 @@ impl From<&Extent> for ExtentValues {
             EndSource::Mask => "mask",
             EndSource::Image => "image",
             EndSource::Border => "border",
+            EndSource::Points => "points",
         };
         Self {
             center: extent.center.into(),

@@ -9,7 +9,9 @@ public enum EndSource implements NativeNumber {
     /** The arc of the end circle in the image. */
     IMAGE(2),
     /** The last of the surface inside the border of the image. */
-    BORDER(3);
+    BORDER(3),
+    /** The points on the surface, where there is no mask, and from inside a pipe. */
+    POINTS(4);
 
     private final int value;
 

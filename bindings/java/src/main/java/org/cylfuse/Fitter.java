@@ -350,15 +350,17 @@ public final class Fitter extends FitterData implements AutoCloseable {
     }
 
     /**
-     * Finds the visible piece of the cylinder and what its ends are, by {@link FitOptions#extentRule()}, in all views
-     * that have a camera and a mask. An end that is seen in several views is their mean by their variances; one that is
-     * seen in none is the outermost of what they show.
+     * Finds the visible piece of the cylinder and what its ends are: in a view with a camera and a mask by
+     * {@link FitOptions#extentRule()}, in others, and from inside a pipe, by the points on the surface. An end that is
+     * seen in several views is their mean by their variances; one that is seen in none is the outermost of what they
+     * show.
      *
      * @param model the model
      * @param mask the region
      * @return the extent
-     * @throws CylfuseException BAD_STATE without model, intrinsics or mask, SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY
-     *     when no ray of the mask meets the cylinder
+     * @throws CylfuseException BAD_STATE without a model, without points or a mask, and for a mask that is given without
+     *     intrinsics; SIZE_MISMATCH, EMPTY_MASK, EDGE_GEOMETRY when no ray of the mask meets the cylinder and no points
+     *     lie along it
      */
     public Extent extent(Cylinder model, Mask mask) {
         try (NativeCopies copies = new NativeCopies()) {

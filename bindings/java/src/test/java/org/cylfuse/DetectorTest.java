@@ -4,7 +4,6 @@ import static org.junit.Assert.assertArrayEquals;
 import static org.junit.Assert.assertEquals;
 import static org.junit.Assert.assertFalse;
 import static org.junit.Assert.assertNotNull;
-import static org.junit.Assert.assertNull;
 import static org.junit.Assert.assertThrows;
 import static org.junit.Assert.assertTrue;
 
@@ -145,7 +144,7 @@ public class DetectorTest {
         try (Detector detector = new Detector()) {
             List<Detection> found = detector.detectPoints(Pair.cloud());
             check(detector, found, 0.1);
-            assertNull(found.get(0).extent());
+            assertEquals(EndSource.POINTS, found.get(0).extent().endSource());
 
             // Not organised, float, one after the other with other things between them, and weights.
             float[] mixed = new float[6 * Pair.ALL];

@@ -1,0 +1,307 @@
+//! The ends as points alone show them: without a mask, and from inside a pipe.
+//!
+//! A surface ends somewhere between its last point and where the next one would be. Between points at places that have
+//! nothing to do with the end, the way from the last one to the end has the mean Σg² / 2Σg and the mean square Σg³ / 3Σg over
+//! the gaps g between neighbours: half a spacing on a grid, a whole one where points lie at random.
+
+use super::{End, EndSource, EndState};
+use crate::geometry::Cylinder;
+use crate::memory::List;
+use crate::statistics::median_and_deviation;
+use nalgebra::Vector3;
+
+constants! {
+    /// Strips along the axis, with as many points each, of which each tells both ends.
+    STRIPS = 12.0, "";
+
+    /// The fewest points of a strip, if there are enough for one, and of a piece of it: fewer happen to lie where the surface would go
+    /// on.
+    LEAST_POINTS = 8.0, "";
+
+    /// Gaps that count for the way from the last point to the end, the last ones of each strip.
+    LAST_GAPS = 16.0, "";
+
+    /// A gap this many times as long as the way to be expected divides a strip.
+    DIVIDING = 8.0, "";
+
+    /// How far from the end of a surface its points may begin, in standard deviations of this many times their spacing: depth is missing
+    /// there, or that of the surface is measured beyond it.
+    BESIDE_END = 1.5, "spacing";
+
+    /// Strips whose end is this many deviations off do not count: something hides the surface there, or it is torn.
+    FAR = 3.0, "σ";
+}
+
+/// The middle of points all around an axis is as near to it, as a part of the radius.
+const LEAST_MIDDLE: f64 = 1e-6;
+
+/// The ends of what lies on a cylinder within the tolerance; `None` where that is a single row of points across the axis, or less.
+#[must_use]
+pub fn ends_of_points(
+    points: impl Iterator<Item = Vector3<f64>>,
+    cylinder: &Cylinder,
+    tolerance: f64,
+) -> Option<[End; 2]> {
+    let (places, middle) = on_surface(points, cylinder, tolerance);
+    let count = (places.len() / LEAST_POINTS.count()).clamp(1, STRIPS.count());
+    let strips = places.chunks(places.len().div_ceil(count).max(1));
+    let strips: List<_> =
+        strips.map(|strip| surface_of(strip.iter().map(|place| place.1).collect())).collect();
+    let [start, end] = [-1.0, 1.0].map(|outward| end_of(&strips, outward));
+    let [start, end] = [start?, end?];
+    let length = end[0] - start[0];
+    let arc = cylinder.radius * (places.last()?.0 - places.first()?.0);
+    let spacing = (arc * length / places.len() as f64).sqrt();
+    let shown = |[position, variance]: [f64; 2]| {
+        let deviation = variance.sqrt().hypot(BESIDE_END.get() * spacing);
+        let middle = Some(cylinder.axis.at(position) + middle);
+        End { middle, ..End::new(position, Some(deviation), EndState::Unknown, EndSource::Points) }
+    };
+    // One row across the axis has no ends.
+    (length * places.len() as f64 > arc).then(|| [start, end].map(shown))
+}
+
+/// Angle about the axis and position along it of the points on a cylinder, around it from the side that most of them are away from, and
+/// the mean of how they lie off the axis.
+fn on_surface(
+    points: impl Iterator<Item = Vector3<f64>>,
+    cylinder: &Cylinder,
+    tolerance: f64,
+) -> (List<(f64, f64)>, Vector3<f64>) {
+    let axis = &cylinder.axis;
+    let on_it: List<_> = points.filter(|point| cylinder.distance(point).abs() <= tolerance).collect();
+    let sum: Vector3<f64> = on_it.iter().map(|point| point - axis.nearest_to(point)).sum();
+    let middle = sum / (on_it.len() as f64).max(1.0);
+    let mut least_along = Vector3::zeros();
+    least_along[axis.direction.iamin()] = 1.0;
+    // All around a cylinder any side will do: what is left of the middle is rounding, and may lie along the axis.
+    let is_a_side = middle.norm() > LEAST_MIDDLE * cylinder.radius;
+    let sideways = axis.direction.cross(if is_a_side { &middle } else { &least_along }).normalize();
+    let toward = sideways.cross(&axis.direction);
+    let place = |point: &Vector3<f64>| {
+        let across = point - axis.point;
+        (across.dot(&sideways).atan2(across.dot(&toward)), across.dot(&axis.direction))
+    };
+    let mut places: List<_> = on_it.iter().map(place).collect();
+    places.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    (places, middle)
+}
+
+/// Of the positions of a strip those from the first to the last that belong to a piece of surface, in order.
+fn surface_of(mut positions: List<f64>) -> List<f64> {
+    positions.sort_unstable_by(f64::total_cmp);
+    let tenth = positions.len() / 10;
+    let middle = &positions[tenth..positions.len() - tenth];
+    let most = DIVIDING.get() * Gaps::of(middle).mean_way();
+    let mut pieces =
+        positions.chunk_by(|a, b| b - a <= most).filter(|piece| piece.len() >= LEAST_POINTS.count());
+    let Some(first) = pieces.next() else { return positions };
+    let last = pieces.last().unwrap_or(first);
+    let (low, high) = (first[0], last[last.len() - 1]);
+    positions.iter().copied().filter(|position| (low..=high).contains(position)).collect()
+}
+
+/// The end of all strips towards `outward`, and its variance by the ways between points.
+fn end_of(strips: &[List<f64>], outward: f64) -> Option<[f64; 2]> {
+    let mut gaps = Gaps::default();
+    for strip in strips {
+        let places = strip.len().min(LAST_GAPS.count() + 1);
+        gaps.add(if outward < 0.0 { &strip[..places] } else { &strip[strip.len() - places..] });
+    }
+    let (way, of_way) = (gaps.mean_way(), gaps.variance_of_way());
+    let last = |strip: &List<f64>| if outward < 0.0 { strip.first() } else { strip.last() }.copied();
+    let mut ends: List<f64> = strips.iter().filter_map(last).map(|last| last + outward * way).collect();
+    let [middle, spread] = median_and_deviation(&mut ends.clone());
+    let far = FAR.get() * spread.max(of_way.sqrt());
+    ends.retain(|end| (end - middle).abs() <= far);
+    if ends.is_empty() {
+        return None;
+    }
+    let count = ends.len() as f64;
+    let position = ends.iter().sum::<f64>() / count;
+    let scatter = ends.iter().map(|end| (end - position).powi(2)).sum::<f64>() / count;
+    // Strips that agree better than the ways between their points differ have their points at the same positions, as rows of pixels
+    // have them: what the end is off by is then the same in all.
+    Some([position, scatter.max(of_way) / count + (of_way - scatter).max(0.0)])
+}
+
+/// The sums of the powers of gaps between neighbours.
+#[derive(Debug, Default)]
+struct Gaps {
+    sums: [f64; 3],
+}
+
+impl Gaps {
+    fn of(positions: &[f64]) -> Self {
+        let mut gaps = Self::default();
+        gaps.add(positions);
+        gaps
+    }
+
+    fn add(&mut self, positions: &[f64]) {
+        for pair in positions.windows(2) {
+            let gap = pair[1] - pair[0];
+            let [first, second, third] = &mut self.sums;
+            (*first, *second, *third) = (*first + gap, *second + gap.powi(2), *third + gap.powi(3));
+        }
+    }
+
+    /// The mean way from the last point to the end, Σg² / 2Σg.
+    fn mean_way(&self) -> f64 {
+        let [first, second, _] = self.sums;
+        if first > 0.0 { second / (2.0 * first) } else { 0.0 }
+    }
+
+    /// Its variance, Σg³ / 3Σg less the square of the mean.
+    fn variance_of_way(&self) -> f64 {
+        let [first, _, third] = self.sums;
+        if first > 0.0 { third / (3.0 * first) - self.mean_way().powi(2) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    const ENDS: [f64; 2] = [-0.0613, 0.0592];
+    const TOLERANCE: f64 = 0.004;
+
+    fn cylinder() -> Cylinder {
+        Cylinder::new(Vector3::new(0.01, -0.005, 0.7), Vector3::new(0.3, 0.9, 0.2), 0.04).unwrap()
+    }
+
+    /// The point at an angle and a position.
+    fn point(angle: f64, position: f64) -> Vector3<f64> {
+        let Cylinder { axis, radius } = cylinder();
+        let across = axis.direction.cross(&Vector3::x()).normalize();
+        let other = axis.direction.cross(&across);
+        axis.at(position) + (across * angle.cos() + other * angle.sin()) * radius
+    }
+
+    /// Rows across the axis, `spacing` apart, the first one `first` beyond the start.
+    fn rows(spacing: f64, first: f64) -> impl Iterator<Item = Vector3<f64>> {
+        let count = ((ENDS[1] - ENDS[0] - first) / spacing) as usize + 1;
+        let position = move |k: usize| ENDS[0] + first + spacing * k as f64;
+        (0..count).flat_map(move |k| (0..50).map(move |j| point(1.0 + 0.04 * f64::from(j), position(k))))
+    }
+
+    fn number(rng: &mut ChaCha8Rng) -> f64 {
+        f64::from(rng.next_u32()) / f64::from(u32::MAX)
+    }
+
+    fn random(rng: &mut ChaCha8Rng, count: usize, [low, high]: [f64; 2]) -> Vec<Vector3<f64>> {
+        (0..count).map(|_| point(1.0 + 2.0 * number(rng), low + (high - low) * number(rng))).collect()
+    }
+
+    fn ends(points: impl Iterator<Item = Vector3<f64>>) -> [End; 2] {
+        ends_of_points(points, &cylinder(), TOLERANCE).unwrap()
+    }
+
+    #[test]
+    fn rows_end_half_a_spacing_after_the_last_one() {
+        for [spacing, first] in [[2e-3, 0.0], [2e-3, 1e-3], [5e-3, 4e-3]] {
+            for (end, truth) in ends(rows(spacing, first)).iter().zip(ENDS) {
+                let off = (end.position - truth).abs();
+                assert!(off <= 0.5 * spacing + 1e-9, "{spacing} {first}: {off}");
+                // All strips end alike, so that none tells more than another.
+                assert!(end.deviation.unwrap() > 0.28 * spacing, "{end:?}");
+                assert_eq!((end.state, end.source), (EndState::Unknown, EndSource::Points));
+            }
+        }
+    }
+
+    #[test]
+    fn random_points_end_a_mean_gap_after_the_last_one() {
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        let mut sum = [0.0; 2];
+        let trials = 200;
+        for _ in 0..trials {
+            let found = ends(random(&mut rng, 600, ENDS).into_iter());
+            for ((end, truth), sum) in found.iter().zip(ENDS).zip(&mut sum) {
+                *sum += (end.position - truth) / f64::from(trials);
+                assert!((end.position - truth).abs() < 4.0 * end.deviation.unwrap());
+            }
+        }
+        // Fifty points of a strip lie 2.4 mm apart, and twelve strips see each end.
+        assert!(sum.iter().all(|off| off.abs() < 2.4e-4), "{sum:?}");
+    }
+
+    #[test]
+    fn points_elsewhere_do_not_move_the_ends() {
+        let mut rng = ChaCha8Rng::seed_from_u64(2);
+        let body = random(&mut rng, 2000, ENDS);
+        let alone = ends(body.iter().copied());
+        // Some near where the surface would go on, others far from it.
+        let strays = random(&mut rng, 60, [-0.5, 0.5]);
+        let cap = (0..500).map(|_| {
+            let far = point(1.0 + 2.0 * number(&mut rng), ENDS[1] + 0.01);
+            let middle = cylinder().axis.nearest_to(&far);
+            middle + (far - middle) * 0.8
+        });
+        let among = ends(body.iter().copied().chain(strays).chain(cap));
+        for (end, alone) in among.iter().zip(&alone) {
+            assert!((end.position - alone.position).abs() < alone.deviation.unwrap(), "{end:?} {alone:?}");
+        }
+    }
+
+    #[test]
+    fn a_surface_goes_on_after_a_hole() {
+        let body = rows(1e-3, 5e-4).filter(|point| {
+            let position = cylinder().axis.position_of(point);
+            !(-0.02..0.03).contains(&position)
+        });
+        for (end, truth) in ends(body).iter().zip(ENDS) {
+            assert!((end.position - truth).abs() < 1e-3, "{end:?}");
+        }
+    }
+
+    #[test]
+    fn what_hides_an_end_from_a_few_strips_does_not_shorten() {
+        let seen = rows(1e-3, 5e-4).filter(|p| {
+            let hidden = (p - cylinder().axis.nearest_to(p))
+                .dot(&(point(1.2, 0.0) - point(1.2 + std::f64::consts::PI, 0.0)));
+            hidden < 0.98 * 2.0 * 0.04 * 0.04 || cylinder().axis.position_of(p) < 0.0
+        });
+        assert!((ends(seen)[1].position - ENDS[1]).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_cylinder_that_is_seen_all_around_has_ends() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let all_around = random(&mut rng, 3000, ENDS).into_iter().enumerate().map(|(k, near)| {
+            let middle = cylinder().axis.nearest_to(&near);
+            if k % 2 == 0 { near } else { middle + middle - near }
+        });
+        let points: Vec<_> = all_around.collect();
+        for (end, truth) in ends(points.iter().copied()).iter().zip(ENDS) {
+            assert!((end.position - truth).abs() < 1e-3, "{end:?}");
+        }
+    }
+
+    #[test]
+    fn an_exact_grid_all_around_ends_half_a_spacing_after_its_last_row() {
+        let step = std::f64::consts::TAU / 30.0;
+        let row = |k: u32| (0..30).map(move |j| point(step * f64::from(j), 0.01 * f64::from(k)));
+        let found = ends((0..20).flat_map(row));
+        assert!(
+            (found[0].position + 0.005).abs() < 1e-9 && (found[1].position - 0.195).abs() < 1e-9,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn too_little_has_no_ends() {
+        let none =
+            |points: Vec<Vector3<f64>>| ends_of_points(points.into_iter(), &cylinder(), TOLERANCE).is_none();
+        assert!(none(vec![]));
+        assert!(none(vec![point(1.0, 0.01)]));
+        assert!(none(vec![point(1.0, 0.01); 100]));
+        assert!(none((0..100).map(|k| point(0.05 * f64::from(k), 0.01)).collect()));
+        assert!(none(rows(1e-3, 0.0).map(|point| point * 2.0).collect()));
+        // Two are the least.
+        let two = ends([point(1.0, 0.0), point(1.2, 0.01)].into_iter());
+        assert!(two[0].position < two[1].position && two[0].deviation.unwrap().is_finite());
+    }
+}
