@@ -50,7 +50,9 @@ func (layout Layout) String() string { return name(layout, 0, "packed", "organis
 func (state EndState) String() string { return name(state, 0, "unknown", "seen", "cut", "hidden") }
 
 // String names the source.
-func (source EndSource) String() string { return name(source, 0, "extreme", "mask", "image", "border", "points") }
+func (source EndSource) String() string {
+	return name(source, 0, "extreme", "mask", "image", "border", "points")
+}
 
 // String names the part.
 func (part Part) String() string {

@@ -96,7 +96,7 @@ fn surface_of(mut positions: List<f64>) -> List<f64> {
     let mut pieces =
         positions.chunk_by(|a, b| b - a <= most).filter(|piece| piece.len() >= LEAST_POINTS.count());
     let Some(first) = pieces.next() else { return positions };
-    let last = pieces.last().unwrap_or(first);
+    let last = pieces.next_back().unwrap_or(first);
     let (low, high) = (first[0], last[last.len() - 1]);
     positions.iter().copied().filter(|position| (low..=high).contains(position)).collect()
 }

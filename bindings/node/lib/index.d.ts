@@ -189,7 +189,10 @@ export class Fitter {
   completeDepth<T extends Uint16Array | Float32Array = Float32Array>(
     options?: Region & { scale?: number; type?: new (length: number) => T },
   ): { depth: Depth<T>; completion: Completion };
-  /** The visible piece of the cylinder in all views with a camera and a mask, and what its ends are. */
+  /**
+   * The visible piece of the cylinder, and what its ends are: in views with a camera and a mask by the mask, in others by the
+   * points on the surface.
+   */
   extent(options?: Region): Extent;
   /**
    * Selects, of straight edges that a line detector found, those on the two limbs of a rough cylinder (none = that of

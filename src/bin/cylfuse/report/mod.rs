@@ -56,7 +56,7 @@ pub struct Measurement {
     pub cylinder: CylinderValues,
     /// Its uncertainty; none where it is not known.
     pub uncertainty: Option<UncertaintyValues>,
-    /// Its visible piece; none without a mask.
+    /// Its visible piece; none where no mask and no points show one.
     pub extent: Option<ExtentValues>,
     /// How the fit went.
     pub result: ResultValues,
