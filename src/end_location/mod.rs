@@ -57,7 +57,7 @@ pub enum EndState {
     Cut,
     /// Something nearer than the surface covers what lies beyond.
     Hidden,
-    /// No depth was measured beyond the end, or nobody said what was.
+    /// No depth was measured beyond the end, or nothing tells what lies beyond.
     Unknown,
 }
 

@@ -11,65 +11,108 @@ use crate::statistics::median_and_deviation;
 use nalgebra::Vector3;
 
 constants! {
-    /// Strips along the axis, with as many points each, of which each tells both ends.
+    /// The most strips along the axis, with as many points each, of which each tells both ends.
     STRIPS = 12.0, "";
 
-    /// The fewest points of a strip, if there are enough for one, and of a piece of it: fewer happen to lie where the surface would go
-    /// on.
+    /// The fewest points of a strip, if there are enough for two.
+    LEAST_OF_STRIP = 24.0, "";
+
+    /// The fewest points of a piece of surface behind a gap: fewer happen to lie where the surface would go on.
     LEAST_POINTS = 8.0, "";
 
-    /// Gaps that count for the way from the last point to the end, the last ones of each strip.
-    LAST_GAPS = 16.0, "";
+    /// The least width of a strip.
+    LEAST_WIDTH = 3.0, "spacing";
 
-    /// A gap this many times as long as the way to be expected divides a strip.
+    /// The outer part of a strip whose gaps count for the way from its last point to the end, unless there are hardly any.
+    LAST_PART = 0.25, "length";
+
+    /// A gap this many times as long as the way to be expected may be the end of a strip.
     DIVIDING = 8.0, "";
 
     /// How far from the end of a surface its points may begin, in standard deviations of this many times their spacing: depth is missing
     /// there, or that of the surface is measured beyond it.
-    BESIDE_END = 1.5, "spacing";
+    BESIDE_END = 2.0, "spacing";
+
+    /// What lies farther from the surface than this part of the radius is not on it, however much the points scatter.
+    WIDEST = 0.5, "radius";
 
     /// Strips whose end is this many deviations off do not count: something hides the surface there, or it is torn.
     FAR = 3.0, "σ";
 }
 
-/// The middle of points all around an axis is as near to it, as a part of the radius.
+/// The middle of points all around an axis lies this near to it, as a part of the radius.
 const LEAST_MIDDLE: f64 = 1e-6;
+
+/// Two rows of points have a single gap, and no hole: without it there is less than this part of them.
+const LEAST_REST: f64 = 0.05;
+
+/// So many points, evenly spread over all on the surface, are enough.
+const MOST_POINTS: usize = 1 << 17;
 
 /// The ends of what lies on a cylinder within the tolerance; `None` where that is a single row of points across the axis, or less.
 #[must_use]
 pub fn ends_of_points(
-    points: impl Iterator<Item = Vector3<f64>>,
+    points: impl Iterator<Item = Vector3<f64>> + Clone,
     cylinder: &Cylinder,
     tolerance: f64,
 ) -> Option<[End; 2]> {
-    let (places, middle) = on_surface(points, cylinder, tolerance);
-    let count = (places.len() / LEAST_POINTS.count()).clamp(1, STRIPS.count());
-    let strips = places.chunks(places.len().div_ceil(count).max(1));
-    let strips: List<_> =
-        strips.map(|strip| surface_of(strip.iter().map(|place| place.1).collect())).collect();
+    let (places, middle) = on_surface(points, cylinder, tolerance.min(WIDEST.get() * cylinder.radius));
+    if places.is_empty() {
+        return None;
+    }
+    let inner = places.len() / 20;
+    let arc = cylinder.radius * (places[places.len() - 1 - inner].0 - places[inner].0);
+    let strips = strips_of(&places, arc);
     let [start, end] = [-1.0, 1.0].map(|outward| end_of(&strips, outward));
-    let [start, end] = [start?, end?];
-    let length = end[0] - start[0];
-    let arc = cylinder.radius * (places.last()?.0 - places.first()?.0);
+    let (start, end) = (start?, end?);
+    let length = end.position - start.position;
     let spacing = (arc * length / places.len() as f64).sqrt();
-    let shown = |[position, variance]: [f64; 2]| {
-        let deviation = variance.sqrt().hypot(BESIDE_END.get() * spacing);
-        let middle = Some(cylinder.axis.at(position) + middle);
-        End { middle, ..End::new(position, Some(deviation), EndState::Unknown, EndSource::Points) }
+    let shown = |end: EndOfStrips| {
+        let floor = BESIDE_END.get() * spacing.max(end.way);
+        let middle = Some(cylinder.axis.at(end.position) + middle);
+        let deviation = Some(end.variance.sqrt().hypot(floor));
+        End { middle, ..End::new(end.position, deviation, EndState::Unknown, EndSource::Points) }
     };
     // One row across the axis has no ends.
     (length * places.len() as f64 > arc).then(|| [start, end].map(shown))
 }
 
+/// The positions on the surface by strip, each in order. A strip is at least three spacings wide: one that is narrower than a column of
+/// points would be a section of it.
+fn strips_of(places: &[(f64, f64)], arc: f64) -> List<List<f64>> {
+    let mut along: List<f64> = places.iter().map(|place| place.1).collect();
+    along.sort_unstable_by(f64::total_cmp);
+    let inner = inner_part(&along);
+    let length = inner.last().zip(inner.first()).map_or(0.0, |(last, first)| last - first);
+    let spacing = (arc * length / inner.len().max(1) as f64).sqrt();
+    let most = (places.len() / LEAST_OF_STRIP.count()).min(STRIPS.count());
+    let count = ((arc / (LEAST_WIDTH.get() * spacing)) as usize).min(most).max(1);
+    let strip = |k: usize| {
+        let strip = &places[k * places.len() / count..(k + 1) * places.len() / count];
+        let mut positions: List<f64> = strip.iter().map(|place| place.1).collect();
+        positions.sort_unstable_by(f64::total_cmp);
+        surface_of(&positions)
+    };
+    (0..count).map(strip).collect()
+}
+
+/// Nearly all of positions in order, without those farthest out.
+fn inner_part(positions: &[f64]) -> &[f64] {
+    let tenth = positions.len() / 10;
+    &positions[tenth..positions.len() - tenth]
+}
+
 /// Angle about the axis and position along it of the points on a cylinder, around it from the side that most of them are away from, and
 /// the mean of how they lie off the axis.
 fn on_surface(
-    points: impl Iterator<Item = Vector3<f64>>,
+    points: impl Iterator<Item = Vector3<f64>> + Clone,
     cylinder: &Cylinder,
     tolerance: f64,
 ) -> (List<(f64, f64)>, Vector3<f64>) {
     let axis = &cylinder.axis;
-    let on_it: List<_> = points.filter(|point| cylinder.distance(point).abs() <= tolerance).collect();
+    let on_it = points.filter(|point| cylinder.distance(point).abs() <= tolerance);
+    let step = on_it.clone().count().div_ceil(MOST_POINTS).max(1);
+    let on_it: List<_> = on_it.step_by(step).collect();
     let sum: Vector3<f64> = on_it.iter().map(|point| point - axis.nearest_to(point)).sum();
     let middle = sum / (on_it.len() as f64).max(1.0);
     let mut least_along = Vector3::zeros();
@@ -87,26 +130,63 @@ fn on_surface(
     (places, middle)
 }
 
-/// Of the positions of a strip those from the first to the last that belong to a piece of surface, in order.
-fn surface_of(mut positions: List<f64>) -> List<f64> {
-    positions.sort_unstable_by(f64::total_cmp);
-    let tenth = positions.len() / 10;
-    let middle = &positions[tenth..positions.len() - tenth];
-    let most = DIVIDING.get() * Gaps::of(middle).mean_way();
-    let mut pieces =
-        positions.chunk_by(|a, b| b - a <= most).filter(|piece| piece.len() >= LEAST_POINTS.count());
-    let Some(first) = pieces.next() else { return positions };
-    let last = pieces.next_back().unwrap_or(first);
-    let (low, high) = (first[0], last[last.len() - 1]);
-    positions.iter().copied().filter(|position| (low..=high).contains(position)).collect()
+/// Of the positions of a strip, in order, those from the first to the last that lie on the surface.
+fn surface_of(positions: &[f64]) -> List<f64> {
+    let middle = positions.len() / 2;
+    let most = DIVIDING.get() * usual_way(inner_part(positions));
+    let backward: List<f64> = positions[..=middle].iter().rev().copied().collect();
+    let first = middle + 1 - on_surface_of_first(&backward, most);
+    let last = middle + on_surface_of_first(&positions[middle..], most);
+    positions[first..last].iter().copied().collect()
 }
 
-/// The end of all strips towards `outward`, and its variance by the ways between points.
-fn end_of(strips: &[List<f64>], outward: f64) -> Option<[f64; 2]> {
+/// The mean way to the end of points at these positions, but for a hole: without the longest gap, unless that is nearly all there is.
+fn usual_way(positions: &[f64]) -> f64 {
+    let all = Gaps::of(positions);
+    let longest = positions.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let mut others = Gaps::default();
+    others.sums = std::array::from_fn(|k| all.sums[k] - longest.powi(k as i32 + 1));
+    if others.sums[0] > LEAST_REST * all.sums[0] { others.mean_way() } else { all.mean_way() }
+}
+
+/// How many of the positions, in order on the way out, lie on the surface of the first one. It goes on over gaps of up to `most`, and
+/// behind a longer one where there are enough points for a piece of surface.
+fn on_surface_of_first(positions: &[f64], most: f64) -> usize {
+    let (mut kept, mut begin) = (0, 0);
+    for piece in positions.chunk_by(|a, b| (b - a).abs() <= most) {
+        let end = begin + piece.len();
+        if begin == 0 || piece.len() >= LEAST_POINTS.count() {
+            kept = end;
+        }
+        begin = end;
+    }
+    kept
+}
+
+/// An end as all strips tell it.
+struct EndOfStrips {
+    position: f64,
+    /// By the ways between points alone.
+    variance: f64,
+    /// The mean way from the last point to the end.
+    way: f64,
+}
+
+/// The end of all strips towards `outward`.
+fn end_of(strips: &[List<f64>], outward: f64) -> Option<EndOfStrips> {
     let mut gaps = Gaps::default();
-    for strip in strips {
-        let places = strip.len().min(LAST_GAPS.count() + 1);
-        gaps.add(if outward < 0.0 { &strip[..places] } else { &strip[strip.len() - places..] });
+    for strip in strips.iter().filter(|strip| !strip.is_empty()) {
+        let (first, last) = (strip[0], strip[strip.len() - 1]);
+        let part = LAST_PART.get() * (last - first);
+        let beside = if outward < 0.0 {
+            &strip[..strip.partition_point(|position| *position <= first + part)]
+        } else {
+            &strip[strip.partition_point(|position| *position < last - part)..]
+        };
+        // Of few rows the part may hold a single one.
+        let is_enough = beside[beside.len() - 1] - beside[0] > 0.5 * part;
+        let beside = if is_enough { beside } else { &strip[..] };
+        gaps.add(beside);
     }
     let (way, of_way) = (gaps.mean_way(), gaps.variance_of_way());
     let last = |strip: &List<f64>| if outward < 0.0 { strip.first() } else { strip.last() }.copied();
@@ -119,10 +199,11 @@ fn end_of(strips: &[List<f64>], outward: f64) -> Option<[f64; 2]> {
     }
     let count = ends.len() as f64;
     let position = ends.iter().sum::<f64>() / count;
-    let scatter = ends.iter().map(|end| (end - position).powi(2)).sum::<f64>() / count;
+    let scatter = ends.iter().map(|end| (end - position).powi(2)).sum::<f64>() / (count - 1.0).max(1.0);
     // Strips that agree better than the ways between their points differ have their points at the same positions, as rows of pixels
     // have them: what the end is off by is then the same in all.
-    Some([position, scatter.max(of_way) / count + (of_way - scatter).max(0.0)])
+    let common = if ends.len() > 1 { (of_way - scatter).max(0.0) } else { 0.0 };
+    Some(EndOfStrips { position, variance: scatter.max(of_way) / count + common, way })
 }
 
 /// The sums of the powers of gaps between neighbours.
@@ -140,7 +221,7 @@ impl Gaps {
 
     fn add(&mut self, positions: &[f64]) {
         for pair in positions.windows(2) {
-            let gap = pair[1] - pair[0];
+            let gap = (pair[1] - pair[0]).abs();
             let [first, second, third] = &mut self.sums;
             (*first, *second, *third) = (*first + gap, *second + gap.powi(2), *third + gap.powi(3));
         }
@@ -196,7 +277,8 @@ mod tests {
     }
 
     fn ends(points: impl Iterator<Item = Vector3<f64>>) -> [End; 2] {
-        ends_of_points(points, &cylinder(), TOLERANCE).unwrap()
+        let points: Vec<_> = points.collect();
+        ends_of_points(points.into_iter(), &cylinder(), TOLERANCE).unwrap()
     }
 
     #[test]
@@ -258,6 +340,19 @@ mod tests {
     }
 
     #[test]
+    fn strays_beside_a_hole_do_not_move_the_ends() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        for strays in [0, 5, 20] {
+            let mut points = random(&mut rng, 4000, ENDS);
+            points.retain(|point| !(-0.03..0.03).contains(&cylinder().axis.position_of(point)));
+            points.extend(random(&mut rng, strays, [-0.5, 0.6]));
+            for (end, truth) in ends(points.into_iter()).iter().zip(ENDS) {
+                assert!((end.position - truth).abs() < 1e-3, "{strays} {end:?}");
+            }
+        }
+    }
+
+    #[test]
     fn what_hides_an_end_from_a_few_strips_does_not_shorten() {
         let seen = rows(1e-3, 5e-4).filter(|p| {
             let hidden = (p - cylinder().axis.nearest_to(p))
@@ -289,6 +384,39 @@ mod tests {
             (found[0].position + 0.005).abs() < 1e-9 && (found[1].position - 0.195).abs() < 1e-9,
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn few_columns_and_few_rows_have_the_same_ends() {
+        for tilt in [0.0, 0.01] {
+            for columns in [1, 2, 3, 4, 5, 6, 8] {
+                let all = (0..121).flat_map(|k| {
+                    let position = ENDS[0] + 5e-4 + 1e-3 * f64::from(k);
+                    let angle = move |j: i32| 1.0 + 0.2 * f64::from(j) + tilt * f64::from(k - 60) / 60.0;
+                    (0..columns).map(move |j| point(angle(j), position))
+                });
+                for (end, truth) in
+                    ends(all.filter(|p| cylinder().axis.position_of(p) < ENDS[1])).iter().zip(ENDS)
+                {
+                    assert!((end.position - truth).abs() < 6e-3, "{columns} {tilt} {end:?}");
+                }
+            }
+        }
+        // Six rows of many points.
+        let spacing = (ENDS[1] - ENDS[0]) / 6.0;
+        for count in [10, 100, 300] {
+            let row = |k: i32| {
+                (0..count).map(move |j| {
+                    point(
+                        1.0 + 2.0 * f64::from(j) / f64::from(count),
+                        ENDS[0] + spacing * (0.5 + f64::from(k)),
+                    )
+                })
+            };
+            for (end, truth) in ends((0..6).flat_map(row)).iter().zip(ENDS) {
+                assert!((end.position - truth).abs() < 0.1 * spacing, "{count} {end:?}");
+            }
+        }
     }
 
     #[test]

@@ -22,15 +22,12 @@ use crate::fitter::{FitResult, Fitter, View};
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::limb_location::blur_of;
 use crate::memory::List;
-use crate::observations::{Mask, MaskView};
+use crate::observations::{Mask, MaskView, pixel_at};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
 pub use uncertainty::ExtentUncertainty;
 
 const CALL: &str = "finding the extent";
-
-/// So many points, evenly spread over all, are enough to tell ends.
-const MOST_POINTS: usize = 1 << 17;
 
 /// The visible piece of the cylinder: `end` = `start` + `length` · direction of the model. Lengths are in the
 /// unit of the data.
@@ -79,10 +76,11 @@ struct EndsOfView {
 }
 
 impl Fitter {
-    /// The ends of the visible cylinder in all views: in one with a camera and a mask found by the [`ExtentRule`] of the options, else, and
-    /// from inside a pipe, as the points on the surface show them. `model` stands in for the last fit, `mask` for the mask of the last
+    /// The ends of the visible cylinder in all views. In a view with a camera and a mask, the [`ExtentRule`] of the options finds them. A fit
+    /// without a mask may have made an outline of the points; it then serves as the mask. In other views, and from inside a pipe, the
+    /// points on the surface tell them. `model` stands in for the last fit, `mask` for the mask of the last
     /// depth image of the selected view; the depth image also tells what the ends are. An end that several views show is their mean by
-    /// their variances; one that none shows is the outermost of where they lose it.
+    /// their variances; one that none shows is the outermost of where they lose it, by views with a mask if there are any.
     ///
     /// # Errors
     /// `BadState` without a model, without points or a mask, and for a mask that is given without intrinsics; `SizeMismatch`, `EmptyMask`;
@@ -122,6 +120,10 @@ impl Fitter {
         let region = mask.map(|mask| Region::new(CALL, self, Some(mask))).transpose()?;
         let mut views = List::new();
         for index in 0..self.view_count() {
+            let view = &self.views()[index];
+            if let Some((camera, mask)) = view.camera().zip(view.mask.as_ref()) {
+                mask.check_size("the image of the intrinsics", camera.size())?;
+            }
             let own = region.as_ref().filter(|_| index == self.selected_view()).map(|region| &*region.mask);
             views.extend(self.ends_of(index, own, &cylinder, limbs_known));
         }
@@ -177,15 +179,21 @@ impl Fitter {
     ) -> Option<EndsOfView> {
         let (pushed, fitted) = (&self.views()[index], self.fitted_view(index));
         // A mask that was made of points has a frame of its own.
-        let view = if fitted.mask_of_points { fitted } else { pushed };
+        let view = if own.is_none() && fitted.mask_of_points { fitted } else { pushed };
         let into_view = view.pose().inverse();
         let seen = into_view.cylinder(cylinder);
         let tolerance = depth_tolerance(&view.cloud, &seen);
         let masked = view.camera().zip(own.or(fitted.mask.as_ref()));
         // Rays along a pipe meet its wall anywhere.
         if masked.is_none() || seen.contains_origin() {
-            let ends = ends_of_points(view.cloud.sampled(MOST_POINTS), &seen, tolerance);
-            if let Some(ends) = ends {
+            let is_in_mask = |point: &Vector3<f64>| {
+                masked.is_none_or(|(camera, mask)| {
+                    let pixel = camera.project(point).and_then(|place| pixel_at(&place));
+                    pixel.is_some_and(|(column, row)| mask.contains(column, row))
+                })
+            };
+            let points = view.cloud.points().filter(is_in_mask);
+            if let Some(ends) = ends_of_points(points, &seen, tolerance) {
                 return Some(EndsOfView { view: index, into_view, limbs_known: false, ends });
             }
         }
@@ -240,8 +248,9 @@ fn combine(views: &[EndsOfView], side: usize) -> (End, &EndsOfView) {
         (outward * a.ends[side].position).total_cmp(&(outward * b.ends[side].position))
     };
     let Some(best) = best else {
-        // There is at least one view.
-        let last = views.iter().max_by(outermost).unwrap_or(&views[0]);
+        // Points are sparser than a mask. There is at least one view.
+        let of_masks = views.iter().filter(|of_view| of_view.ends[side].source != EndSource::Points);
+        let last = of_masks.max_by(outermost).or_else(|| views.iter().max_by(outermost)).unwrap_or(&views[0]);
         return (end(last), last);
     };
     let (mut information, mut sum) = (0.0, 0.0);

@@ -30,7 +30,7 @@ pub struct ExtentUncertainty {
 ///
 /// What is seen of an end is its arc in the image, and that stays where it is when the cylinder changes within its
 /// uncertainty: the ends move along the axis with it, as a cylinder that is farther away is longer. Points stay where they are, too.
-/// The errors by which arcs and ends of points were located are independent of that and of each other.
+/// The errors by which ends were located are independent of that, and of each other but for points.
 pub(super) fn of_ends(
     cylinder: &Cylinder,
     fit: &Uncertainty,
@@ -54,6 +54,9 @@ pub(super) fn of_ends(
         let numbers = ends.iter().flatten().copied().chain([end - start]);
         Some(SVector::<f64, 7>::from_iterator(numbers))
     })?;
+    // Points fall short of both ends alike, or go beyond them. The centre is no better known for that, as their noise is not shared.
+    let both_points = ends.iter().all(|(end, _)| end.middle.is_some());
+    let shared = if both_points { 2.0 * (of_start * of_end).sqrt() } else { 0.0 };
     let block = |row: usize, column: usize| -> Matrix3<f64> { joint.fixed_view::<3, 3>(row, column).into() };
     let (start, end, both) = (block(0, 0), block(3, 3), block(0, 3) + block(3, 0));
     let direction = cylinder.axis.direction;
@@ -62,7 +65,7 @@ pub(super) fn of_ends(
         start: start + along * of_start,
         end: end + along * of_end,
         center: (start + end + both + along * (of_start + of_end)) * 0.25,
-        length: (joint[(6, 6)] + of_start + of_end).sqrt(),
+        length: (joint[(6, 6)] + of_start + of_end + shared).sqrt(),
     })
 }
 

@@ -47,7 +47,7 @@ impl From<Option<Termination>> for cylfuse_termination {
 pub struct cylfuse_end_state(pub i32);
 
 impl cylfuse_end_state {
-    /// No depth was measured beyond the end, or nobody said what was, or no depth image was pushed.
+    /// No depth was measured beyond the end, or nothing tells what lies beyond, or no depth image was pushed.
     pub const UNKNOWN: cylfuse_end_state = cylfuse_end_state(0);
     /// The surface ends there: what lies beyond is farther than the surface would be.
     pub const SEEN: cylfuse_end_state = cylfuse_end_state(1);
