@@ -164,7 +164,7 @@ fn extent_and_completion_are_in_the_frame_of_reference_and_say_which_view() {
     // Whichever view is selected.
     assert!(extents[0] == extents[1] && extents[1] == extents[2], "{extents:?}");
     assert!(counts[0] > 1000 && counts[0] != counts[1]);
-    // A view without a mask says nothing about ends; the others do, whichever is selected.
+    // The arcs are in the images of views with a mask, whichever is selected.
     for selected in [0, 2] {
         fitter.select_view(0).unwrap();
         fitter.clear_inputs(Inputs::DEPTH);

@@ -144,8 +144,7 @@ fn surface_of(positions: &[f64]) -> List<f64> {
 fn usual_way(positions: &[f64]) -> f64 {
     let all = Gaps::of(positions);
     let longest = positions.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    let mut others = Gaps::default();
-    others.sums = std::array::from_fn(|k| all.sums[k] - longest.powi(k as i32 + 1));
+    let others = Gaps { sums: std::array::from_fn(|k| all.sums[k] - longest.powi(k as i32 + 1)) };
     if others.sums[0] > LEAST_REST * all.sums[0] { others.mean_way() } else { all.mean_way() }
 }
 
