@@ -4,7 +4,7 @@
  * @file pcl.hpp
  * Clouds, indices and model coefficients of PCL in and out, a class in place of PCL's segmentation of cylinders, and one
  * that finds all cylinders of a scene.
- * Include it beside PCL 1.12 or later. The coordinates are those of the cloud; completion, extent and edges need
+ * Include it beside PCL 1.12 or later. The coordinates are those of the cloud; completion, masks, images and edges need
  * them in the camera frame.
  */
 
