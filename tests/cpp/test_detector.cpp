@@ -57,7 +57,7 @@ static void everything_goes_together()
     }
     detector.detect_points(points);
     CHECK(detector.count() == 2);
-    CHECK_ERROR(detector.extent(0), BAD_STATE, "intrinsics");
+    CHECK(detector.extent(0).end_source() == cylfuse::EndSource::Points);
 }
 
 // Bumps in both directions, 12 pixels apart: more to look at than a search may.
