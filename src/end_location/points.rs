@@ -7,7 +7,7 @@
 use super::{End, EndSource, EndState};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::median_and_deviation;
+use crate::statistics::{at_both_ends, median_and_deviation};
 use nalgebra::Vector3;
 
 constants! {
@@ -42,6 +42,9 @@ constants! {
 
 /// The middle of points all around an axis lies this near to it, as a part of the radius.
 const LEAST_MIDDLE: f64 = 1e-6;
+
+/// One part in so many of the points at either end tells nothing about the spacing of the others.
+const OUTER: usize = 10;
 
 /// Two rows of points have a single gap, and no hole: without it there is less than this part of them.
 const LEAST_REST: f64 = 0.05;
@@ -80,11 +83,10 @@ pub fn ends_of_points(
 /// The positions on the surface by strip, each in order. A strip is at least three spacings wide: one that is narrower than a column of
 /// points would be a section of it.
 fn strips_of(places: &[(f64, f64)], arc: f64) -> List<List<f64>> {
-    let mut along: List<f64> = places.iter().map(|place| place.1).collect();
-    along.sort_unstable_by(f64::total_cmp);
-    let inner = inner_part(&along);
-    let length = inner.last().zip(inner.first()).map_or(0.0, |(last, first)| last - first);
-    let spacing = (arc * length / inner.len().max(1) as f64).sqrt();
+    let along: List<f64> = places.iter().map(|place| place.1).collect();
+    let outer = along.len() / OUTER;
+    let [low, high] = at_both_ends(&along, outer);
+    let spacing = (arc * (high - low) / (along.len() - 2 * outer) as f64).sqrt();
     let most = (places.len() / LEAST_OF_STRIP.count()).min(STRIPS.count());
     let count = ((arc / (LEAST_WIDTH.get() * spacing)) as usize).min(most).max(1);
     let strip = |k: usize| {
@@ -98,8 +100,8 @@ fn strips_of(places: &[(f64, f64)], arc: f64) -> List<List<f64>> {
 
 /// Nearly all of positions in order, without those farthest out.
 fn inner_part(positions: &[f64]) -> &[f64] {
-    let tenth = positions.len() / 10;
-    &positions[tenth..positions.len() - tenth]
+    let outer = positions.len() / OUTER;
+    &positions[outer..positions.len() - outer]
 }
 
 /// Angle about the axis and position along it of the points on a cylinder, around it from the side that most of them are away from, and

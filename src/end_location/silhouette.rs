@@ -249,7 +249,7 @@ fn chosen(ends: &[GeneratorEnd], choose: impl Fn(&GeneratorEnd) -> bool) -> List
 }
 
 /// Whether a mask holds the pixel at a place.
-pub(super) fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
+pub(crate) fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
     pixel_at(pixel).is_some_and(|(column, row)| mask.contains(column, row))
 }
 

@@ -10,10 +10,11 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
+use crate::camera::Camera;
 use crate::completion::Region;
 pub use crate::end_location::{ArcSample, EndSource, EndState};
 use crate::end_location::{
-    End, EndSearch, MaskContent, depth_tolerance, ends_of_points, extreme_ends, locate_ends,
+    End, EndSearch, MaskContent, contains, depth_tolerance, ends_of_points, extreme_ends, locate_ends,
 };
 use crate::error::{Error, Result};
 #[cfg(doc)]
@@ -22,7 +23,7 @@ use crate::fitter::{FitResult, Fitter, View};
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::limb_location::blur_of;
 use crate::memory::List;
-use crate::observations::{Mask, MaskView, pixel_at};
+use crate::observations::{Mask, MaskView};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
 pub use uncertainty::ExtentUncertainty;
@@ -187,10 +188,10 @@ impl Fitter {
         // Rays along a pipe meet its wall anywhere.
         if masked.is_none() || seen.contains_origin() {
             let is_in_mask = |point: &Vector3<f64>| {
-                masked.is_none_or(|(camera, mask)| {
-                    let pixel = camera.project(point).and_then(|place| pixel_at(&place));
-                    pixel.is_some_and(|(column, row)| mask.contains(column, row))
-                })
+                let sees = |(camera, mask): (&Camera, &Mask)| {
+                    camera.project(point).is_some_and(|pixel| contains(mask, &pixel))
+                };
+                masked.is_none_or(sees)
             };
             let points = view.cloud.points().filter(is_in_mask);
             if let Some(ends) = ends_of_points(points, &seen, tolerance) {

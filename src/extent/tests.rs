@@ -349,13 +349,72 @@ fn points_with_an_image_have_their_ends_in_it() {
     assert_eq!((found.start_source, found.end_source), (EndSource::Image, EndSource::Image));
 }
 
+/// It was taken for one of the pixels that have depth, in which specks stay.
+#[test]
+fn a_mask_that_is_given_after_a_fit_without_one_is_a_drawn_one() {
+    let scene = Scene::tilted(0.3);
+    let (points, image) = points_and_image(&scene);
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(Scene::intrinsics()).unwrap();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
+    fitter.fit().unwrap();
+    let mut mask = scene.render(0).2;
+    let length =
+        |mask: &[u8]| fitter.extent(None, Some(&MaskView::from_u8(mask, SIZE).unwrap())).unwrap().length;
+    let clean = length(&mask);
+    // Beside one another beyond the end, each of them a small part of the mask.
+    let beyond = Scene::camera().project(&scene.cylinder.axis.at(scene.ends.1 + 0.04)).unwrap();
+    let (column, row) = (beyond.x as usize, beyond.y as usize);
+    (column - 20..column + 20).step_by(2).for_each(|column| mask[row * SIZE.0 + column] = 1);
+    assert_eq!(length(&mask).to_bits(), clean.to_bits());
+}
+
+/// Few points lie beyond an end by chance, and a mask knows it to a pixel.
+#[test]
+fn a_view_of_points_does_not_move_the_ends_of_a_mask() {
+    let scene = Scene::tilted(0.3);
+    let (_, depth, mask) = scene.render(0);
+    let mut fitter = Scene::fitter(&depth, &mask);
+    let of_mask = fitter.extent(Some(&scene.cylinder), None).unwrap();
+    let (points, _) = points_and_image(&scene);
+    fitter.select_view(1).unwrap();
+    let farther = scene.cylinder.axis.direction * 0.01;
+    let moved = points.iter().map(|point| (Vector3::from(*point) + farther).into());
+    fitter.push_points(&PointsView::from_f64(&moved.collect::<Vec<_>>()), None).unwrap();
+    assert_eq!(fitter.extent(Some(&scene.cylinder), None).unwrap(), of_mask);
+    // Nor where nothing tells what lies beyond it.
+    fitter.select_view(0).unwrap();
+    let bare: Vec<f32> = depth.iter().zip(&mask).map(|(&z, &set)| if set == 0 { 0.0 } else { z }).collect();
+    let range = crate::observations::DepthRange::default();
+    let depth = crate::observations::DepthView::from_f32(&bare, SIZE, 1.0).unwrap();
+    fitter.push_depth(&depth, Some(&MaskView::from_u8(&mask, SIZE).unwrap()), &range).unwrap();
+    let both = fitter.extent(Some(&scene.cylinder), None).unwrap();
+    assert_eq!((both.end_state, both.end_source, both.end_view), (EndState::Unknown, EndSource::Mask, 0));
+}
+
+/// The tolerance is a multiple of the median distance of all points.
+#[test]
+fn points_of_a_whole_scene_do_not_move_the_ends_of_a_model() {
+    let scene = Scene::tilted(0.3);
+    let (mut points, _) = points_and_image(&scene);
+    let count = 2 * points.len();
+    let wall = |k: usize| [-1.0 + 2.0 * (k % 97) as f64 / 97.0, -1.0 + 2.0 * k as f64 / count as f64, 1.5];
+    points.extend((0..count).map(wall));
+    let mut fitter = Fitter::new();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    for error in errors(&scene, &fitter.extent(Some(&scene.cylinder), None).unwrap()) {
+        assert!(error.abs() < 1.0, "{error} pixels");
+    }
+}
+
 #[test]
 fn without_points_or_a_mask_there_are_no_ends() {
     let cylinder = Scene::tilted(0.3).cylinder;
     let mut fitter = Fitter::new();
     let error = fitter.extent(Some(&cylinder), None).unwrap_err();
     assert!(matches!(error, crate::error::Error::BadState { missing: "points or a mask", .. }), "{error}");
-    // One row across the axis, and points elsewhere.
+    // Points elsewhere.
     fitter.push_points(&PointsView::from_f64(&[[0.0, 0.0, 9.0]; 50]), None).unwrap();
     let error = fitter.extent(Some(&cylinder), None).unwrap_err();
     assert!(matches!(error, crate::error::Error::EdgeGeometry { .. }), "{error}");
