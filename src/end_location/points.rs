@@ -29,10 +29,6 @@ constants! {
     /// A gap this many times as long as the way to be expected may be the end of a strip.
     DIVIDING = 8.0, "";
 
-    /// How far from the end of a surface its points may begin, in standard deviations of this many times their spacing: depth is missing
-    /// there, or that of the surface is measured beyond it.
-    BESIDE_END = 2.0, "spacing";
-
     /// What lies farther from the surface than this part of the radius is not on it, however much the points scatter.
     WIDEST = 0.5, "radius";
 
@@ -42,6 +38,9 @@ constants! {
 
 /// The middle of points all around an axis lies this near to it, as a part of the radius.
 const LEAST_MIDDLE: f64 = 1e-6;
+
+/// The standard deviation of what lies anywhere within a range, as a part of it.
+const ANYWHERE_WITHIN: f64 = 0.288_675_134_594_812_9;
 
 /// One part in so many of the points at either end tells nothing about the spacing of the others.
 const OUTER: usize = 10;
@@ -53,11 +52,16 @@ const LEAST_REST: f64 = 0.05;
 const MOST_POINTS: usize = 1 << 17;
 
 /// The ends of what lies on a cylinder within the tolerance; `None` where that is a single row of points across the axis, or less.
+///
+/// So many points in a row have errors that are alike, 1 where all are independent: what a sensor measures in one place it has from a
+/// window of that width, and where within the last one the surface ends, by depth that is missing there or is measured beyond it, nothing
+/// tells.
 #[must_use]
 pub fn ends_of_points(
     points: impl Iterator<Item = Vector3<f64>> + Clone,
     cylinder: &Cylinder,
     tolerance: f64,
+    alike: f64,
 ) -> Option<[End; 2]> {
     let (places, middle) = on_surface(points, cylinder, tolerance.min(WIDEST.get() * cylinder.radius));
     if places.is_empty() {
@@ -71,9 +75,9 @@ pub fn ends_of_points(
     let length = end.position - start.position;
     let spacing = (arc * length / places.len() as f64).sqrt();
     let shown = |end: EndOfStrips| {
-        let floor = BESIDE_END.get() * spacing.max(end.way);
+        let of_window = ANYWHERE_WITHIN * alike * spacing.max(end.way);
         let middle = Some(cylinder.axis.at(end.position) + middle);
-        let deviation = Some(end.variance.sqrt().hypot(floor));
+        let deviation = Some(end.variance.sqrt().hypot(of_window));
         End { middle, ..End::new(end.position, deviation, EndState::Unknown, EndSource::Points) }
     };
     // One row across the axis has no ends.
@@ -279,7 +283,7 @@ mod tests {
 
     fn ends(points: impl Iterator<Item = Vector3<f64>>) -> [End; 2] {
         let points: Vec<_> = points.collect();
-        ends_of_points(points.into_iter(), &cylinder(), TOLERANCE).unwrap()
+        ends_of_points(points.into_iter(), &cylinder(), TOLERANCE, 1.0).unwrap()
     }
 
     #[test]
@@ -422,8 +426,9 @@ mod tests {
 
     #[test]
     fn too_little_has_no_ends() {
-        let none =
-            |points: Vec<Vector3<f64>>| ends_of_points(points.into_iter(), &cylinder(), TOLERANCE).is_none();
+        let none = |points: Vec<Vector3<f64>>| {
+            ends_of_points(points.into_iter(), &cylinder(), TOLERANCE, 1.0).is_none()
+        };
         assert!(none(vec![]));
         assert!(none(vec![point(1.0, 0.01)]));
         assert!(none(vec![point(1.0, 0.01); 100]));

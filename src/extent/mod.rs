@@ -170,6 +170,12 @@ impl Fitter {
         Error::BadState { call: CALL, missing: "points or a mask", remedy: "push points, or give a mask" }
     }
 
+    /// How many points in a row have errors that are alike, by the last fit or else by the points on this cylinder.
+    fn alike(&self, cylinder: &Cylinder) -> f64 {
+        let fit = self.result().copied().or_else(|| self.evaluate(cylinder).ok());
+        fit.map_or(1.0, |fit| (fit.points_used as f64 / fit.independent_points).sqrt().max(1.0))
+    }
+
     /// The ends of one view in a mask of its own, in that of the view as it was fitted, or else as its points show them.
     fn ends_of(
         &self,
@@ -194,7 +200,7 @@ impl Fitter {
                 masked.is_none_or(sees)
             };
             let points = view.cloud.points().filter(is_in_mask);
-            if let Some(ends) = ends_of_points(points, &seen, tolerance) {
+            if let Some(ends) = ends_of_points(points, &seen, tolerance, self.alike(cylinder)) {
                 return Some(EndsOfView { view: index, into_view, limbs_known: false, ends });
             }
         }

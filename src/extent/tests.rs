@@ -7,6 +7,8 @@ use crate::noise::NoiseModel;
 use crate::observations::{ImageView, PointsView};
 use crate::residuals::{Rim, on_wall};
 use nalgebra::Vector2;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// The errors of start and end in pixels, outward positive.
 fn errors(scene: &Scene, extent: &Extent) -> [f64; 2] {
@@ -331,6 +333,32 @@ fn points_alone_have_ends() {
         let given = fitter.extent(Some(&scene.cylinder), None).unwrap();
         assert!(given.uncertainty.is_none() && (given.length - found.length).abs() < 1e-3);
     }
+}
+
+/// The length of a pipe and its deviation by rows and columns of points, of which so many along either share an error.
+fn length_with_errors_alike(window: u32) -> (f64, f64) {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let errors: Vec<f64> =
+        (0..60 * 100).map(|_| f64::from(rng.next_u32()) / f64::from(u32::MAX) - 0.5).collect();
+    let point = |row: u32, column: u32| {
+        let (sin, cos) = (0.035 * (f64::from(column) - 29.5)).sin_cos();
+        let radius = 0.2 + 2e-3 * errors[(row / window * 60 + column / window) as usize];
+        [radius * sin, 0.006 * (f64::from(row) - 49.5), 1.0 - radius * cos]
+    };
+    let points: Vec<_> = (0..100).flat_map(|row| (0..60).map(move |column| point(row, column))).collect();
+    let mut fitter = Fitter::new();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.fit().unwrap();
+    let found = fitter.extent(None, None).unwrap();
+    (found.length, found.uncertainty.unwrap().length)
+}
+
+#[test]
+fn ends_of_points_are_as_uncertain_as_errors_are_alike() {
+    let (length, alone) = length_with_errors_alike(1);
+    assert!((length - 0.6).abs() < alone && alone < 0.006, "{length} {alone}");
+    let (length, alike) = length_with_errors_alike(5);
+    assert!((length - 0.6).abs() < alike && alike > 2.5 * alone, "{length} {alike} {alone}");
 }
 
 #[test]
