@@ -7,7 +7,7 @@
 use super::{End, EndSource, EndState};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::{at_both_ends, median_and_deviation};
+use crate::statistics::median_and_deviation;
 use nalgebra::Vector3;
 
 constants! {
@@ -69,37 +69,34 @@ pub fn ends_of_points(
     }
     let inner = places.len() / 20;
     let arc = cylinder.radius * (places[places.len() - 1 - inner].0 - places[inner].0);
-    let strips = strips_of(&places, arc);
+    let all = surface_of(&places);
+    // Points may become sparser along the axis, as those of what leads away from a scanner do.
+    let spacings = [-1.0, 1.0].map(|outward| {
+        let beside = outer_part(&all, outward);
+        (arc * (beside[beside.len() - 1] - beside[0]) / beside.len() as f64).sqrt()
+    });
+    let strips = strips_of(&places, arc, spacings[0].max(spacings[1]));
     let [start, end] = [-1.0, 1.0].map(|outward| end_of(&strips, outward));
     let (start, end) = (start?, end?);
     let length = end.position - start.position;
-    let spacing = (arc * length / places.len() as f64).sqrt();
-    let shown = |end: EndOfStrips| {
+    let shown = |end: EndOfStrips, spacing: f64| {
         let of_window = ANYWHERE_WITHIN * alike * spacing.max(end.way);
         let middle = Some(cylinder.axis.at(end.position) + middle);
         let deviation = Some(end.variance.sqrt().hypot(of_window));
         End { middle, ..End::new(end.position, deviation, EndState::Unknown, EndSource::Points) }
     };
     // One row across the axis has no ends.
-    (length * places.len() as f64 > arc).then(|| [start, end].map(shown))
+    (length * places.len() as f64 > arc).then(|| [shown(start, spacings[0]), shown(end, spacings[1])])
 }
 
 /// The positions on the surface by strip, each in order. A strip is at least three spacings wide: one that is narrower than a column of
 /// points would be a section of it.
-fn strips_of(places: &[(f64, f64)], arc: f64) -> List<List<f64>> {
-    let along: List<f64> = places.iter().map(|place| place.1).collect();
-    let outer = along.len() / OUTER;
-    let [low, high] = at_both_ends(&along, outer);
-    let spacing = (arc * (high - low) / (along.len() - 2 * outer) as f64).sqrt();
+fn strips_of(places: &[(f64, f64)], arc: f64, spacing: f64) -> List<List<f64>> {
     let most = (places.len() / LEAST_OF_STRIP.count()).min(STRIPS.count());
     let count = ((arc / (LEAST_WIDTH.get() * spacing)) as usize).min(most).max(1);
-    let strip = |k: usize| {
-        let strip = &places[k * places.len() / count..(k + 1) * places.len() / count];
-        let mut positions: List<f64> = strip.iter().map(|place| place.1).collect();
-        positions.sort_unstable_by(f64::total_cmp);
-        surface_of(&positions)
-    };
-    (0..count).map(strip).collect()
+    (0..count)
+        .map(|k| surface_of(&places[k * places.len() / count..(k + 1) * places.len() / count]))
+        .collect()
 }
 
 /// Nearly all of positions in order, without those farthest out.
@@ -136,14 +133,29 @@ fn on_surface(
     (places, middle)
 }
 
-/// Of the positions of a strip, in order, those from the first to the last that lie on the surface.
-fn surface_of(positions: &[f64]) -> List<f64> {
-    let middle = positions.len() / 2;
-    let most = DIVIDING.get() * usual_way(inner_part(positions));
-    let backward: List<f64> = positions[..=middle].iter().rev().copied().collect();
-    let first = middle + 1 - on_surface_of_first(&backward, most);
-    let last = middle + on_surface_of_first(&positions[middle..], most);
+/// The positions in order, from the first to the last that lie on the surface.
+fn surface_of(places: &[(f64, f64)]) -> List<f64> {
+    let mut positions: List<f64> = places.iter().map(|place| place.1).collect();
+    positions.sort_unstable_by(f64::total_cmp);
+    let backward: List<f64> = positions.iter().rev().map(|position| -position).collect();
+    let usual = usual_way(inner_part(&positions));
+    let first = positions.len() - on_surface_before(&backward, usual);
+    let last = on_surface_before(&positions, usual);
     positions[first..last].iter().copied().collect()
+}
+
+/// The outer part of a surface at one of its ends.
+fn outer_part(positions: &[f64], outward: f64) -> &[f64] {
+    let (first, last) = (positions[0], positions[positions.len() - 1]);
+    let part = LAST_PART.get() * (last - first);
+    let beside = if outward < 0.0 {
+        &positions[..positions.partition_point(|position| *position <= first + part)]
+    } else {
+        &positions[positions.partition_point(|position| *position < last - part)..]
+    };
+    // Of few rows the part may hold a single one.
+    let is_enough = beside[beside.len() - 1] - beside[0] > 0.5 * part;
+    if is_enough { beside } else { positions }
 }
 
 /// The mean way to the end of points at these positions, but for a hole: without the longest gap, unless that is nearly all there is.
@@ -154,18 +166,31 @@ fn usual_way(positions: &[f64]) -> f64 {
     if others.sums[0] > LEAST_REST * all.sums[0] { others.mean_way() } else { all.mean_way() }
 }
 
-/// How many of the positions, in order on the way out, lie on the surface of the first one. It goes on over gaps of up to `most`, and
-/// behind a longer one where there are enough points for a piece of surface.
-fn on_surface_of_first(positions: &[f64], most: f64) -> usize {
-    let (mut kept, mut begin) = (0, 0);
-    for piece in positions.chunk_by(|a, b| (b - a).abs() <= most) {
-        let end = begin + piece.len();
-        if begin == 0 || piece.len() >= LEAST_POINTS.count() {
-            kept = end;
+/// How many of the positions, in order on the way out, are not beyond the surface of the middle one. It goes on over gaps of up to
+/// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, and behind a longer one where there are enough points for a piece of
+/// surface.
+fn on_surface_before(positions: &[f64], usual: f64) -> usize {
+    let low = positions[positions.len() / OUTER];
+    let middle = positions.len() / 2;
+    let (mut kept, mut begin) = (middle + 1, middle);
+    for k in middle + 1..positions.len() {
+        let gap = positions[k] - positions[k - 1];
+        let is_wide = |way: f64| gap > DIVIDING.get() * way;
+        if is_wide(usual) && is_wide(usual_way(part_before(&positions[..kept], low))) {
+            begin = k;
         }
-        begin = end;
+        if begin == middle || k + 1 - begin >= LEAST_POINTS.count() {
+            kept = k + 1;
+        }
     }
     kept
+}
+
+/// The outer part of positions that begin at `low`, but enough of them to tell how far apart they are.
+fn part_before(positions: &[f64], low: f64) -> &[f64] {
+    let last = positions[positions.len() - 1];
+    let begin = positions.partition_point(|position| *position < last - LAST_PART.get() * (last - low));
+    &positions[begin.min(positions.len().saturating_sub(LEAST_OF_STRIP.count()))..]
 }
 
 /// An end as all strips tell it.
@@ -181,17 +206,7 @@ struct EndOfStrips {
 fn end_of(strips: &[List<f64>], outward: f64) -> Option<EndOfStrips> {
     let mut gaps = Gaps::default();
     for strip in strips.iter().filter(|strip| !strip.is_empty()) {
-        let (first, last) = (strip[0], strip[strip.len() - 1]);
-        let part = LAST_PART.get() * (last - first);
-        let beside = if outward < 0.0 {
-            &strip[..strip.partition_point(|position| *position <= first + part)]
-        } else {
-            &strip[strip.partition_point(|position| *position < last - part)..]
-        };
-        // Of few rows the part may hold a single one.
-        let is_enough = beside[beside.len() - 1] - beside[0] > 0.5 * part;
-        let beside = if is_enough { beside } else { &strip[..] };
-        gaps.add(beside);
+        gaps.add(outer_part(strip, outward));
     }
     let (way, of_way) = (gaps.mean_way(), gaps.variance_of_way());
     let last = |strip: &List<f64>| if outward < 0.0 { strip.first() } else { strip.last() }.copied();
@@ -355,6 +370,29 @@ mod tests {
                 assert!((end.position - truth).abs() < 1e-3, "{strays} {end:?}");
             }
         }
+    }
+
+    #[test]
+    fn points_may_become_sparser_towards_an_end() {
+        // A scanner beside a pipe that leads away from it: points become fewer along and across, and a few lie beyond.
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let (mut distance, mut points) = (1.0_f64, vec![]);
+        while distance < 6.0 {
+            let count = 40.0 / distance;
+            let first = number(&mut rng);
+            points.extend(
+                (0..count as i32).map(|j| point(1.0 + 2.0 * (f64::from(j) + first) / count, 0.1 * distance)),
+            );
+            distance += 0.006 * distance * distance;
+        }
+        points.extend(random(&mut rng, 8, [-2.0, 3.0]));
+        let [start, end] = ends(points.into_iter());
+        let last = 0.1 * distance;
+        assert!(
+            (start.position - 0.1).abs() < 3e-3 && (end.position - last).abs() < 0.03,
+            "{start:?} {end:?}"
+        );
+        assert!(start.deviation.unwrap() < 0.3 * end.deviation.unwrap(), "{start:?} {end:?}");
     }
 
     #[test]
