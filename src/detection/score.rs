@@ -34,6 +34,10 @@ const MOST: f64 = 4.0;
 /// Cylinders longer than this many radii are no more certain for it.
 const LONG: f64 = 6.0;
 
+/// The standard deviation of the slopes of bodies that count as cylinders, and of what depth drifts along them: trunks and cast columns
+/// taper by a hundredth, which many points tell for certain.
+const USUAL_SLOPE: f64 = 0.01;
+
 /// Odds, standard deviations of a slope and slopes beyond these tell nothing more.
 const MOST_ODDS: f64 = 1e4;
 const MOST_DEVIATIONS: f64 = 6.0;
@@ -146,7 +150,7 @@ impl Evidence {
             self.seen_through * self.side_samples.min(MOST_SAMPLES),
             self.limbs.map_or(0.0, |[a, b]| a + b),
             self.radius_deviation.map_or(0.0, |deviation| deviation.clamp(least, most).ln()),
-            (slope / uncertainty).min(MOST_DEVIATIONS),
+            (slope / uncertainty.hypot(USUAL_SLOPE)).min(MOST_DEVIATIONS),
             slope.min(STEEP),
             sphere.signum() * sphere.abs().ln_1p(),
             self.visible[0].max(self.visible[1]),
@@ -249,6 +253,14 @@ mod tests {
         assert!((0.4..=0.5).contains(&hidden.score()), "{}", hidden.score());
         let seen = Evidence { scatter: 0.5, ..board };
         assert_eq!(seen.score(), board.score());
+    }
+
+    #[test]
+    fn a_trunk_tapers_and_is_a_cylinder() {
+        let fitted =
+            |slope| Evidence { radius_deviation: Some(0.01), slope: Some([slope, 0.001]), ..good() }.score();
+        let [straight, trunk, cup] = [0.0, 0.01, 0.08].map(fitted);
+        assert!(trunk > 0.9 && straight > trunk && cup < 0.1, "{straight} {trunk} {cup}");
     }
 
     #[test]
