@@ -167,20 +167,25 @@ fn usual_way(positions: &[f64]) -> f64 {
 }
 
 /// How many of the positions, in order on the way out, are not beyond the surface of the middle one. It goes on over gaps of up to
-/// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, and behind a longer one where there are enough points for a piece of
-/// surface.
+/// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, and behind a longer one where there are enough points for a piece
+/// of surface.
 fn on_surface_before(positions: &[f64], usual: f64) -> usize {
     let low = positions[positions.len() / OUTER];
     let middle = positions.len() / 2;
     let (mut kept, mut begin) = (middle + 1, middle);
+    // Behind an end there may be thousands of strays, each after a wide gap.
+    let mut way_before = None;
     for k in middle + 1..positions.len() {
         let gap = positions[k] - positions[k - 1];
         let is_wide = |way: f64| gap > DIVIDING.get() * way;
-        if is_wide(usual) && is_wide(usual_way(part_before(&positions[..kept], low))) {
+        let mut before =
+            || *way_before.get_or_insert_with(|| usual_way(part_before(&positions[..kept], low)));
+        if is_wide(usual) && is_wide(before()) {
             begin = k;
         }
         if begin == middle || k + 1 - begin >= LEAST_POINTS.count() {
             kept = k + 1;
+            way_before = None;
         }
     }
     kept
