@@ -113,6 +113,7 @@ pub struct NoiseModel {
     /// near or too far, and so much may the radius of the cylinder they lie on be wrong, as apertures, filters and
     /// matching windows bend a profile. 0.002, about a pixel across the line of sight of a depth camera of 640 columns:
     /// a fifth to a tenth of what data sheets grant; with 0.001 the intervals of random cylinders of the twin are too narrow.
+    /// A cloud without a camera has none, unless the options say that it was seen from the origin.
     pub depth_shared: f64,
     /// The values of the grey image, in the unit of the image linear in light; 0 = from differences of neighbours.
     pub image: f64,
