@@ -47,7 +47,7 @@ const STEEP: f64 = 0.3;
 const DEVIATIONS: [f64; 2] = [5e-4, 0.3];
 
 /// What [`Evidence::terms`] count in the logarithm of the odds, and what is added to that. After a fit: by logistic
-/// regressions on the candidates in scenes of the twin, from the example `score_weights` before located limbs told the slope. Before it, where the search takes
+/// regressions on the candidates in scenes of the twin, from the example `score_weights` before located limbs told the slope and [`USUAL_SLOPE`] counted. Before it, where the search takes
 /// its choice by them: by regressions on ../shared/scenes as well, whose program is not kept.
 struct Weights {
     terms: [f64; 12],
@@ -135,7 +135,7 @@ impl Evidence {
 
     /// What the score is made of: the evidence of depth and shape, root mean square distance, length, what is seen
     /// through, edges on limbs, the logarithm of the standard deviation of the radius by a fit, the slope of the radius in
-    /// standard deviations and as it is, the evidence against a sphere, the part of a side that is visible, the logarithm
+    /// standard deviations, its own and [`USUAL_SLOPE`] together, and as it is, the evidence against a sphere, the part of a side that is visible, the logarithm
     /// of the radius in pixels. What is not known is 0.
     #[must_use]
     pub fn terms(&self) -> [f64; 12] {

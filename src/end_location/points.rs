@@ -39,9 +39,6 @@ constants! {
 /// The middle of points all around an axis lies this near to it, as a part of the radius.
 const LEAST_MIDDLE: f64 = 1e-6;
 
-/// The standard deviation of what lies anywhere within a range, as a part of it.
-const ANYWHERE_WITHIN: f64 = 0.288_675_134_594_812_9;
-
 /// One part in so many of the points at either end tells nothing about the spacing of the others.
 const OUTER: usize = 10;
 
@@ -53,9 +50,8 @@ const MOST_POINTS: usize = 1 << 17;
 
 /// The ends of what lies on a cylinder within the tolerance; `None` where that is a single row of points across the axis, or less.
 ///
-/// So many points in a row have errors that are alike, 1 where all are independent: what a sensor measures in one place it has from a
-/// window of that width, and where within the last one the surface ends, by depth that is missing there or is measured beyond it, nothing
-/// tells.
+/// The errors of `alike` points in a row are alike, of one where all are independent: what a sensor measures in one place it has from a
+/// window of that width. Where within the last one the surface ends, nothing tells: depth is missing there, or is measured beyond it.
 #[must_use]
 pub fn ends_of_points(
     points: impl Iterator<Item = Vector3<f64>> + Clone,
@@ -80,7 +76,8 @@ pub fn ends_of_points(
     let (start, end) = (start?, end?);
     let length = end.position - start.position;
     let shown = |end: EndOfStrips, spacing: f64| {
-        let of_window = ANYWHERE_WITHIN * alike * spacing.max(end.way);
+        // Anywhere within it.
+        let of_window = alike * spacing.max(end.way) / 12.0_f64.sqrt();
         let middle = Some(cylinder.axis.at(end.position) + middle);
         let deviation = Some(end.variance.sqrt().hypot(of_window));
         End { middle, ..End::new(end.position, deviation, EndState::Unknown, EndSource::Points) }
@@ -170,7 +167,7 @@ fn usual_way(positions: &[f64]) -> f64 {
 /// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, and behind a longer one where there are enough points for a piece
 /// of surface.
 fn on_surface_before(positions: &[f64], usual: f64) -> usize {
-    let low = positions[positions.len() / OUTER];
+    let low = inner_part(positions)[0];
     let middle = positions.len() / 2;
     let (mut kept, mut begin) = (middle + 1, middle);
     // Behind an end there may be thousands of strays, each after a wide gap.
@@ -178,9 +175,8 @@ fn on_surface_before(positions: &[f64], usual: f64) -> usize {
     for k in middle + 1..positions.len() {
         let gap = positions[k] - positions[k - 1];
         let is_wide = |way: f64| gap > DIVIDING.get() * way;
-        let mut before =
-            || *way_before.get_or_insert_with(|| usual_way(part_before(&positions[..kept], low)));
-        if is_wide(usual) && is_wide(before()) {
+        let before = || usual_way(part_before(&positions[..kept], low));
+        if is_wide(usual) && is_wide(*way_before.get_or_insert_with(before)) {
             begin = k;
         }
         if begin == middle || k + 1 - begin >= LEAST_POINTS.count() {
