@@ -135,7 +135,7 @@ impl Evidence {
 
     /// What the score is made of: the evidence of depth and shape, root mean square distance, length, what is seen
     /// through, edges on limbs, the logarithm of the standard deviation of the radius by a fit, the slope of the radius in
-    /// standard deviations, its own and [`USUAL_SLOPE`] together, and as it is, the evidence against a sphere, the part of a side that is visible, the logarithm
+    /// standard deviations, its own and that of usual bodies together, and as it is, the evidence against a sphere, the part of a side that is visible, the logarithm
     /// of the radius in pixels. What is not known is 0.
     #[must_use]
     pub fn terms(&self) -> [f64; 12] {
