@@ -90,8 +90,9 @@ impl Guided {
         let seen = of_data.seen(alone.cylinder());
         let mut guided = alone.guided(Some(range), of_data.noise.limb_of_points);
         let hidden = &mut guided.views[0].guides;
-        *hidden = Guides { sides: List::new(), ..guides.clone() };
+        *hidden = guides.clone();
         hidden.number(camera, &seen);
+        hidden.sides.clear();
         guided.flags = self.flags;
         Ok(Some(guided))
     }

@@ -48,13 +48,23 @@ impl Guides {
         (self.given.len(), self.given.iter().copied().chain(sides).collect())
     }
 
-    /// Numbers the lines by the limb of a cylinder that they lie on.
+    /// Numbers the lines by the limbs of a cylinder: given segments each by the one that they lie on, the two sides of a mask
+    /// together, as one that is cut may be as near to the limb of the other.
     pub fn number(&mut self, camera: &Camera, cylinder: &Cylinder) {
-        let seen = self.seen.iter_mut().map(|part| &mut part.0);
-        let of_mask = self.sides.iter_mut().chain(&mut self.cut).chain(seen);
-        for guide in self.given.iter_mut().chain(of_mask) {
+        for guide in &mut self.given {
             let Some([first, second]) = apart(camera, cylinder, guide) else { return };
             guide.limb = Some(usize::from(second < first));
+        }
+        let of_mask = self.sides.iter().chain(&self.cut);
+        let of_mask = of_mask.filter_map(|side| Some((side.limb?, apart(camera, cylinder, side)?)));
+        let [as_they_are, swapped] = of_mask.fold([0.0; 2], |[as_they_are, swapped], (limb, apart)| {
+            [as_they_are + apart[limb], swapped + apart[1 - limb]]
+        });
+        if swapped < as_they_are {
+            let seen = self.seen.iter_mut().map(|part| &mut part.0);
+            for side in self.sides.iter_mut().chain(&mut self.cut).chain(seen) {
+                side.limb = side.limb.map(|limb| 1 - limb);
+            }
         }
     }
 
@@ -333,6 +343,7 @@ impl Sides {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::{Distortion, Intrinsics};
     use crate::noise::NoiseModel;
 
     fn line(x: f64) -> LimbLine {
@@ -410,5 +421,36 @@ mod tests {
         // An edge within the region may be the limb all the same.
         let guides = Sides { sides: [side(300.0, false), side(340.0, true)], of_others, noise };
         assert!(guides.hidden().cut.is_empty());
+    }
+
+    /// Pipes that lie side by side: something in front cuts one off beyond its axis, as near to one limb as to the other.
+    #[test]
+    fn a_side_that_is_cut_beyond_the_axis_is_not_that_of_the_limb_which_is_seen() {
+        let distortion = Distortion::None;
+        let intrinsics =
+            Intrinsics { width: 640, height: 480, fx: 500.0, fy: 500.0, cx: 320.0, cy: 240.0, distortion };
+        let camera = Camera::new(intrinsics).unwrap();
+        let cylinder = Cylinder::new(Vector3::z(), Vector3::y(), 0.04).unwrap();
+        let limbs = camera.limb_lines(&cylinder).unwrap().map(|limb| -(limb.y * 150.0 + limb.z) / limb.x);
+        for seen in [0, 1] {
+            let side = |x: f64, limb: usize| PixelSegment {
+                endpoints: line(x).ends,
+                weight: 1.0,
+                limb: Some(limb),
+                growth: 0.0,
+            };
+            let cut = 0.6 * limbs[seen] + 0.4 * limbs[1 - seen];
+            // The sides of a mask come in one order whatever the limbs are.
+            for first in [0, 1] {
+                let mut guides = Guides {
+                    sides: [side(limbs[seen], first)].into(),
+                    cut: [side(cut, 1 - first)].into(),
+                    ..Guides::default()
+                };
+                guides.number(&camera, &cylinder);
+                assert_eq!(guides.sides[0].limb, Some(seen));
+                assert_eq!(guides.covered(), [0, 1].map(|limb| limb != seen));
+            }
+        }
     }
 }
