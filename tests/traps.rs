@@ -191,6 +191,44 @@ fn an_f32_cloud_whose_steps_are_coarser_than_its_noise_states_no_deviation() {
     assert_eq!(result.uncertainty, None);
 }
 
+/// Invalid points at the origin of a sensor lie there in its own coordinates alone.
+#[test]
+fn a_single_point_however_far_away_changes_nothing() {
+    let mut can = can();
+    can.axis.point.x += 1e6;
+    let observer = can.axis.point - Vector3::new(0.0, 0.0, 0.7);
+    let points = visible_points(&can, &observer, 3000);
+    for far in [[0.0; 3], [1e12, 0.0, 0.0]] {
+        for at in [0, 3000] {
+            let mut points = points.clone();
+            points.insert(at, far);
+            let mut fitter = fitter_with(&points);
+            let result = fitter.fit().unwrap();
+            assert_eq!((result.points_used, result.points_given), (3000, 3001));
+            assert!((result.cylinder.radius / can.radius - 1.0).abs() < 1e-6, "{far:?}: {result:?}");
+        }
+    }
+}
+
+/// A cylinder through both the body and what is behind it explains them, but a plane explains the body as well.
+#[test]
+fn a_few_points_of_what_is_far_behind_the_body_change_nothing() {
+    let mut noise = Noise::new(3);
+    let mut points: Vec<[f64; 3]> = visible_points(&can(), &Vector3::zeros(), 3000)
+        .into_iter()
+        .map(|p| (Vector3::from(p) + 0.0005 * noise.vector()).into())
+        .collect();
+    for far in [2.0, 6.0] {
+        for count in [30, 90] {
+            let behind = |_| (Vector3::new(0.0, 0.0, 1.0) + 0.02 * noise.vector()).normalize() * far;
+            points.truncate(3000);
+            points.extend((0..count).map(behind).map(<[f64; 3]>::from));
+            let result = fitter_with(&points).fit().unwrap();
+            assert!((result.cylinder.radius / can().radius - 1.0).abs() < 0.02, "{far} {count}: {result:?}");
+        }
+    }
+}
+
 #[test]
 fn planes_lines_and_handfuls_of_points_are_errors_of_their_own() {
     let mut noise = support::Noise::new(1);

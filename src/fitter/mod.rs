@@ -363,7 +363,7 @@ impl Fitter {
     }
 
     /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
-    /// its mask holds more, or the view that was drawn again.
+    /// its mask holds more, the view that was drawn again, or the one without points that are far from all others.
     fn separated(&self, drawn: List<Option<View>>, run: &mut Run<'_>) -> Result<List<body::Separated>> {
         // The other objectives take the mask as it is.
         if !self.options.is_robust() {
@@ -373,7 +373,7 @@ impl Fitter {
         let mut drawn = drawn.into_iter();
         let body = |view: &View| {
             run.check()?;
-            let drawn = drawn.next().flatten();
+            let drawn = drawn.next().flatten().or_else(|| view.without_far_points());
             let separated = body::separate(drawn.as_ref().unwrap_or(view), &self.options, start, run)?;
             Ok(body::Separated { body: separated.body.or(drawn), ..separated })
         };

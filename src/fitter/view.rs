@@ -3,11 +3,20 @@
 use super::few::Neighbours;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, RigidMotion};
+use crate::memory::List;
 use crate::noise::{ImageNoise, NoiseModel};
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 use crate::parts::Parts;
+use crate::statistics::{median, median_size};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
+
+/// Points that tell where a view has most of its points.
+const SAMPLE: usize = 64;
+
+/// A root mean square distance of so many median ones is that of a few points that are no part of the body. Of a pipe that leads
+/// from 1 m to 100 m away from a scanner it is 10.
+const FAR: f64 = 100.0;
 
 /// One view of the cylinder: a frame, and what was pushed of the cylinder in it, in the coordinates of the view.
 #[derive(Debug, Clone, Default)]
@@ -108,6 +117,21 @@ impl View {
     pub fn thinned(&self, count: usize) -> Self {
         let (frame, cloud) = (self.frame.clone(), self.cloud.thinned(count));
         Self { frame, cloud, mask: None, segments: Vec::new(), ..Self::default() }
+    }
+
+    /// The same view without points that are so far from the others that they hide how these spread, such as invalid ones that a
+    /// program moved to other coordinates; `None` where there are none.
+    pub fn without_far_points(&self) -> Option<Self> {
+        let (_, covariance) = self.mean_and_covariance()?;
+        let sample: List<_> = self.cloud.sampled(SAMPLE).collect();
+        let along = |axis: usize| median(&mut sample.iter().map(|p| p[axis]).collect::<List<_>>());
+        let middle = Vector3::new(along(0), along(1), along(2));
+        let reach = FAR * median_size(sample.iter().map(|p| (p - middle).norm()));
+        if reach == 0.0 || covariance.trace() <= reach * reach {
+            return None;
+        }
+        let cloud = self.cloud.chosen(|index| (self.cloud.point(index) - middle).norm() <= reach);
+        Some(self.with_points(cloud, self.body.clone()))
     }
 
     /// The camera of image, mask and edges.

@@ -245,7 +245,7 @@ impl Search<'_> {
         self.best.is_some_and(|Candidate { cylinder, .. }| {
             self.scorer.threshold <= CLEAR_PART * cylinder.radius
                 && self.scorer.inlier_fraction(&cylinder) >= EXPLAINED_PART
-                && !self.scorer.is_flat(&cylinder)
+                && !self.scorer.is_flat_in_the_middle(&cylinder)
         })
     }
 

@@ -6,7 +6,7 @@ use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame};
 use crate::memory::List;
 use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
 use crate::solver::{Domain, IterationLimits, minimise};
-use crate::statistics::median_size;
+use crate::statistics::{median, median_size};
 use nalgebra::{Matrix3, Vector3};
 
 /// Threshold of the first part of the local optimisation, in units of the final one: wide enough for the
@@ -161,6 +161,21 @@ impl Scorer<'_> {
     /// Whether a plane through most of the inliers explains as many points, where no limit keeps the radius from
     /// running away.
     pub fn is_flat(&self, cylinder: &Cylinder) -> bool {
+        self.is_plane(cylinder, |inliers| Plane::through(inliers.iter()))
+    }
+
+    /// The same by the plane that touches the cylinder at the median of the inliers: where some of them are far away, on the other
+    /// side of a cylinder that is no body, no plane is near all.
+    pub fn is_flat_in_the_middle(&self, cylinder: &Cylinder) -> bool {
+        self.is_plane(cylinder, |inliers| {
+            let along = |axis: usize| median(&mut inliers.iter().map(|p| p[axis]).collect::<List<_>>());
+            let middle = (!inliers.is_empty()).then(|| Vector3::new(along(0), along(1), along(2)))?;
+            Some(Plane::tangent(cylinder, middle))
+        })
+    }
+
+    /// Whether a plane, found from a first one about the inliers, explains as many points.
+    fn is_plane(&self, cylinder: &Cylinder, first: impl FnOnce(&[Vector3<f64>]) -> Option<Plane>) -> bool {
         if self.limits.radius_max < f64::INFINITY {
             return false;
         }
@@ -169,7 +184,7 @@ impl Scorer<'_> {
         let pairs = self.points.iter().zip(&distances);
         let inliers: List<Vector3<f64>> =
             pairs.filter(|(_, distance)| is_inlier(distance)).map(|(p, _)| *p).collect();
-        let Some(mut plane) = Plane::through(inliers.iter()) else { return false };
+        let Some(mut plane) = first(&inliers) else { return false };
         let mut near: List<Vector3<f64>> = List::new();
         for _ in 0..PLANE_ROUNDS {
             near.clear();
@@ -232,6 +247,12 @@ struct Plane {
 }
 
 impl Plane {
+    /// Across the direction from the axis of a cylinder to a point, through the point.
+    fn tangent(cylinder: &Cylinder, point: Vector3<f64>) -> Self {
+        let normal = (point - cylinder.axis.nearest_to(&point)).normalize();
+        Self { point, normal, covariance: Matrix3::zeros() }
+    }
+
     /// `None` for no points.
     fn through<'a>(points: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> Option<Self> {
         let count = points.clone().count() as f64;
