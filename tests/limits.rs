@@ -3,7 +3,9 @@
 
 mod support;
 
-use cylfuse::fitter::{ChartChoice, FitResult, Fitter, Flags, Method, ObjectiveKind, Options, StartKind};
+use cylfuse::fitter::{
+    ChartChoice, FitResult, Fitter, Flags, Inputs, Method, ObjectiveKind, Options, StartKind,
+};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits, any_orthogonal, rotate_direction};
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::TAU;
@@ -98,21 +100,39 @@ fn assert_kept(limits: &CylinderLimits, result: &FitResult, what: &str) {
         assert!(angle <= max_angle, "{what} {limits:?} {angle}");
         if max_angle == 0.0 {
             assert!(axis.direction == middle || axis.direction == -middle);
-            assert!(!result.flags.contains(Flags::AXIS_AT_LIMIT));
         }
     }
     if limits.fix_radius() {
         assert_eq!(radius.to_bits(), limits.radius_min.to_bits());
-        assert!(
-            !result.flags.intersects(Flags::RADIUS_AT_LIMIT | Flags::WEAK_RADIUS),
-            "{what} {:?}",
-            result.flags
-        );
+        assert!(!result.flags.contains(Flags::WEAK_RADIUS), "{what} {:?}", result.flags);
     } else {
         let at_end = radius == limits.radius_min || radius == limits.radius_max;
         assert_eq!(result.flags.contains(Flags::RADIUS_AT_LIMIT), at_end);
     }
     assert!(!result.flags.contains(Flags::NOT_CONVERGED), "{what} {limits:?} {result:?}");
+}
+
+#[test]
+fn a_known_radius_or_direction_that_the_data_contradict_is_flagged() {
+    let flags = |cylinder_limits: CylinderLimits, edges: bool| {
+        let mut fitter = fitter(Options { cylinder_limits, ..Options::default() });
+        if !edges {
+            fitter.clear_inputs(Inputs::EDGES);
+        }
+        fitter.fit().unwrap().flags & (Flags::RADIUS_AT_LIMIT | Flags::AXIS_AT_LIMIT)
+    };
+    let direction = can().axis.direction;
+    for edges in [true, false] {
+        for (known, right) in [(0.03, true), (0.0285, false), (0.0315, false), (0.02, false), (0.06, false)] {
+            let expected = if right { Flags::empty() } else { Flags::RADIUS_AT_LIMIT };
+            assert_eq!(flags(radius(known, known), edges), expected, "{known} {edges}");
+            // What is right beside it is not in doubt.
+            let both = flags(both(radius(known, known), cone(direction, 0.0)), edges);
+            assert_eq!(both.contains(Flags::RADIUS_AT_LIMIT), !right, "{known} {edges}");
+        }
+        assert_eq!(flags(cone(direction, 0.0), edges), Flags::empty());
+        assert_eq!(flags(cone(aside(0.04), 0.0), edges), Flags::AXIS_AT_LIMIT);
+    }
 }
 
 #[test]

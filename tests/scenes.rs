@@ -297,6 +297,21 @@ fn radii_beyond_the_limits_are_not_found() {
     }
 }
 
+/// Of bodies of several sizes a known radius leaves those that have it.
+#[test]
+fn a_known_radius_finds_its_own_body() {
+    let rendered = render();
+    for (body, _) in bodies() {
+        let limits = CylinderLimits { radius_min: body.radius, radius_max: body.radius, axis: None };
+        for image in [true, false] {
+            let options = DetectorOptions { use_image: image, ..limited(limits) };
+            let scene = detector(options).detect(&rendered.frame(1.0)).unwrap();
+            let [found] = &scene.cylinders[..] else { panic!("{image}: {:?}", scene.cylinders) };
+            assert!(is(&found.result.cylinder, &body, 0.1), "{:?}", found.result.cylinder);
+        }
+    }
+}
+
 #[test]
 fn measured_pixels_count() {
     let frame = render().frame(1.0);

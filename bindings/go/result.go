@@ -60,9 +60,10 @@ const (
 	// FlagPointsAndLimbsDisagree: the radius by the points and that by the limbs differ by more than 4 deviations, or the
 	// points contradict limbs or edges, which were not followed.
 	FlagPointsAndLimbsDisagree Flags = C.CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE
-	// FlagRadiusAtLimit: a limit of the radius holds it.
+	// FlagRadiusAtLimit: a limit of the radius holds it, or the data contradict a known radius by more than 4 deviations.
 	FlagRadiusAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT
-	// FlagAxisAtLimit: the axis is on the border of its cone.
+	// FlagAxisAtLimit: the axis is on the border of its cone, or the data contradict a known direction by more than 4
+	// deviations.
 	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
 	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, deviations and covariance are NaN.
 	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN

@@ -1138,11 +1138,13 @@ typedef uint32_t cylfuse_result_flags;
  */
 #define CYLFUSE_RESULT_FLAGS_POINTS_AND_LIMBS_DISAGREE 4096
 /**
- * The radius is at its limit, and the data fit better beyond it. Not for a radius that is known.
+ * The radius is at its limit, and the data fit better beyond it. Of a radius that is known: the data contradict it by
+ * more than 4 standard deviations.
  */
 #define CYLFUSE_RESULT_FLAGS_RADIUS_AT_LIMIT 8192
 /**
- * The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
+ * The axis is on the border of its cone, and the data fit better beyond it. Of a known direction: the data contradict
+ * it by more than 4 standard deviations.
  */
 #define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 /**

@@ -255,9 +255,11 @@ impl cylfuse_result_flags {
     /// line that was located as a limb lies beside that of the result, by more than 4 of its standard deviations and a
     /// pixel. Or located limbs would raise the scale of the points 1.5 times, given edges 3 times, and were not followed.
     pub const POINTS_AND_LIMBS_DISAGREE: cylfuse_result_flags = cylfuse_result_flags(4096);
-    /// The radius is at its limit, and the data fit better beyond it. Not for a radius that is known.
+    /// The radius is at its limit, and the data fit better beyond it. Of a radius that is known: the data contradict it by
+    /// more than 4 standard deviations.
     pub const RADIUS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(8192);
-    /// The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
+    /// The axis is on the border of its cone, and the data fit better beyond it. Of a known direction: the data contradict
+    /// it by more than 4 standard deviations.
     pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
     /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
     /// are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the

@@ -123,6 +123,7 @@ pub(super) fn describe(
     flags.set(Flags::CAMERA_INSIDE, data.observer_inside(cylinder));
     flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
     flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
+    flags |= data.contradicted(&frame, scales, &objective);
     flags.set(Flags::POINTS_NOT_FINITE, dropped.not_finite > 0);
     flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
     if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, held, cylinder) {

@@ -43,9 +43,11 @@ bitflags::bitflags! {
         /// that of the result, by more than 4 of its standard deviations and a pixel. Or located limbs would raise the scale of the
         /// points 1.5 times, given edges 3 times, and were not followed.
         const POINTS_AND_LIMBS_DISAGREE = 1 << 12;
-        /// The radius is at its limit, and the data fit better beyond it. Not for a fixed radius.
+        /// The radius is at its limit, and the data fit better beyond it. Of a known radius: the data contradict it by more than 4
+        /// standard deviations.
         const RADIUS_AT_LIMIT = 1 << 13;
-        /// The axis is on the border of its cone, and the data fit better beyond it. Not for a known direction.
+        /// The axis is on the border of its cone, and the data fit better beyond it. Of a known direction: the data contradict it by
+        /// more than 4 standard deviations.
         const AXIS_AT_LIMIT = 1 << 14;
         /// The data do not tell how uncertain the result is: fewer than eight points are independent, some degree of
         /// freedom is not determined, or the coordinates are coarser than the noise of the points.

@@ -2,6 +2,7 @@
 
 use super::data::Data;
 use super::held::Held;
+use super::result::Flags;
 use super::scales::Scales;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
 use crate::residuals::{Sandwich, Sum, root};
@@ -52,8 +53,7 @@ impl Data<'_> {
         objective: &Sum<'_>,
     ) -> (Option<Uncertainty>, Option<RadiusComparison>, Option<ImageShift>) {
         let cylinder = &frame.cylinder;
-        let minimises = self.count() > 0 && self.options.method.minimises();
-        if !minimises || self.independent_inliers(cylinder, scales) < LEAST_INDEPENDENT {
+        if !self.tells_noise(cylinder, scales) {
             return (None, None, None);
         }
         let Some(sandwich) = objective.sandwich(frame) else { return (None, None, None) };
@@ -74,6 +74,42 @@ impl Data<'_> {
         let limits = &self.options.cylinder_limits;
         let (radius, axis) = (limits.fix_radius(), limits.fix_axis());
         [false, false, axis, axis, radius]
+    }
+
+    /// Whether the residuals about a cylinder tell the noise.
+    fn tells_noise(&self, cylinder: &Cylinder, scales: &Scales) -> bool {
+        let minimises = self.count() > 0 && self.options.method.minimises();
+        minimises && self.independent_inliers(cylinder, scales) >= LEAST_INDEPENDENT
+    }
+
+    /// What the data contradict of what the limits fix: the minimum with everything free lies, to first order, farther from the
+    /// known radius or direction than its uncertainty allows.
+    pub fn contradicted(&self, frame: &LocalFrame, scales: &Scales, objective: &Sum<'_>) -> Flags {
+        let [_, _, axis, _, radius] = self.known();
+        let Some(sandwich) = (axis || radius).then(|| objective.sandwich(frame)).flatten() else {
+            return Flags::empty();
+        };
+        let free = [false; 5];
+        let found = sandwich.step(&free).zip(sandwich.covariance(&free)).and_then(|(step, covariance)| {
+            // What is wrong passes for noise that neighbours share, which is less where the step leads.
+            let cylinder = frame.retract(&step);
+            let there = self.scales(&cylinder);
+            let noise = |cylinder: &Cylinder, scales: &Scales| {
+                scales.all / self.independent_inliers(cylinder, scales).sqrt()
+            };
+            let part = (noise(&cylinder, &there) / noise(&frame.cylinder, scales)).min(1.0);
+            let turn = step.fixed_rows::<2>(2);
+            let of_turn =
+                covariance.fixed_view::<2, 2>(2, 2).into_owned().cholesky()?.solve(&turn).dot(&turn);
+            let deviations = [of_turn.sqrt(), step[4].abs() / covariance[(4, 4)].sqrt()];
+            let told = self.tells_noise(&cylinder, &there) || self.tells_noise(&frame.cylinder, scales);
+            told.then(|| deviations.map(|deviations| deviations / part))
+        });
+        let [turn, step] = found.unwrap_or_default();
+        let mut contradicted = Flags::empty();
+        contradicted.set(Flags::AXIS_AT_LIMIT, axis && turn > DISAGREEMENT);
+        contradicted.set(Flags::RADIUS_AT_LIMIT, radius && step > DISAGREEMENT);
+        contradicted
     }
 
     /// The uncertainty of a cylinder that takes the place of a minimum and is none, by what it is `about` it as if it were: how far

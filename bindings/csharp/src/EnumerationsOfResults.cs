@@ -85,11 +85,11 @@ namespace Cylfuse
         /// nearer to them, or surely 1.5 times as large or as small. Or the points contradict limbs or edges, which were
         /// not followed.</summary>
         PointsAndLimbsDisagree = 4096,
-        /// <summary>The radius is at its limit, and the data fit better beyond it. Not for a radius that is
-        /// known.</summary>
+        /// <summary>The radius is at its limit, and the data fit better beyond it. Of a known radius: the data
+        /// contradict it by more than 4 standard deviations.</summary>
         RadiusAtLimit = 8192,
-        /// <summary>The axis is on the border of its cone, and the data fit better beyond it. Not for a direction that is
-        /// known.</summary>
+        /// <summary>The axis is on the border of its cone, and the data fit better beyond it. Of a known direction: the
+        /// data contradict it by more than 4 standard deviations.</summary>
         AxisAtLimit = 16384,
         /// <summary>The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than
         /// eight points are independent, or some degree of freedom is not determined.</summary>

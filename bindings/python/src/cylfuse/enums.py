@@ -349,9 +349,11 @@ class ResultFlags(IntFlag):
     #: The radius by the points alone and that by the limbs differ by more than 4 standard deviations, or the points
     #: contradict limbs or edges, which were not followed.
     POINTS_AND_LIMBS_DISAGREE = 4096
-    #: The radius is at its limit, and the data fit better beyond it.
+    #: The radius is at its limit, and the data fit better beyond it. Of a known radius: the data contradict it by more than
+    #: 4 standard deviations.
     RADIUS_AT_LIMIT = 8192
-    #: The axis is on the border of its cone, and the data fit better beyond it.
+    #: The axis is on the border of its cone, and the data fit better beyond it. Of a known direction: the data contradict
+    #: it by more than 4 standard deviations.
     AXIS_AT_LIMIT = 16384
     #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
     UNCERTAINTY_UNKNOWN = 32768

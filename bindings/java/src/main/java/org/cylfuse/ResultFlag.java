@@ -42,9 +42,15 @@ public enum ResultFlag {
      * or as small. Or the points contradict limbs or edges, which were not followed.
      */
     POINTS_AND_LIMBS_DISAGREE(4096),
-    /** The radius is at its limit, and the data fit better beyond it. Not for a radius that is known. */
+    /**
+     * The radius is at its limit, and the data fit better beyond it. Of a known radius: the data contradict it by more than
+     * 4 standard deviations.
+     */
     RADIUS_AT_LIMIT(8192),
-    /** The axis is on the border of its cone, and the data fit better beyond it. Not for a direction that is known. */
+    /**
+     * The axis is on the border of its cone, and the data fit better beyond it. Of a known direction: the data contradict it
+     * by more than 4 standard deviations.
+     */
     AXIS_AT_LIMIT(16384),
     /**
      * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
