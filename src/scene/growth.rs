@@ -23,6 +23,9 @@ const SLICE: f64 = 0.5;
 /// beyond its end has a strip of points on its surface.
 const GOES_ON: f64 = 0.25;
 
+/// Slices at either end of a region that tell how many points the next one has.
+const OUTER: usize = 5;
+
 /// A part of the points of a region that may lie beyond its ends, to each side.
 const STRAY: usize = 50;
 
@@ -108,12 +111,15 @@ pub(super) fn grown(
         slices.entry(*last).or_default().join(&of_run);
     }
     let own = || slices.range(first..=last).map(|(_, slice)| slice);
-    let typical = median(&mut own().map(|slice| slice.count).collect::<Vec<f64>>());
     let spread = median(&mut own().map(Slice::spread).collect::<Vec<f64>>());
+    // Points become sparser along a body that leads away from its sensor.
+    let typical = |outer: &mut dyn Iterator<Item = &Slice>| {
+        median(&mut outer.take(OUTER).map(|slice| slice.count).collect::<Vec<f64>>())
+    };
+    let typical = [typical(&mut own()), typical(&mut own().rev())];
     // From the region to both sides.
     let mut body: BTreeSet<i64> = slices.range(first..=last).map(|(number, _)| *number).collect();
-    let mut follow = |beyond: &mut dyn Iterator<Item = (&i64, &Slice)>| {
-        let mut count = typical;
+    let mut follow = |mut count: f64, beyond: &mut dyn Iterator<Item = (&i64, &Slice)>| {
         for (number, slice) in beyond {
             if slice.count >= GOES_ON * count && slice.spread() >= GOES_ON * spread {
                 count = 0.5 * (count + slice.count);
@@ -121,8 +127,8 @@ pub(super) fn grown(
             }
         }
     };
-    follow(&mut slices.range((Bound::Excluded(last), Bound::Unbounded)));
-    follow(&mut slices.range(..first).rev());
+    follow(typical[0], &mut slices.range(..first).rev());
+    follow(typical[1], &mut slices.range((Bound::Excluded(last), Bound::Unbounded)));
     // Those of the body move to the front.
     let mut count = 0;
     for (index, (slice, begin)) in runs.iter().enumerate() {
@@ -224,6 +230,22 @@ mod tests {
         let reach = reach_of(&cylinder(), region.iter().copied());
         let grown = grown(&cylinder(), reach, region.iter().copied(), (0..).zip(points.iter().copied()));
         assert_eq!(grown, (0..own as u32).collect::<Vec<u32>>());
+    }
+
+    /// A body that leads away from its sensor: each slice has nine tenths of the points of the one before.
+    #[test]
+    fn a_region_grows_to_where_points_are_sparse() {
+        let slice = |k: i32| {
+            let [from, to] = [f64::from(k), f64::from(k + 1)].map(|z| SLICE * z);
+            let every = (1.0 / 0.9_f64.powi(k)).round() as usize;
+            half(from + 0.01, to - 0.01, 0.01).into_iter().step_by(every)
+        };
+        let points: Vec<_> = (0..50).flat_map(slice).collect();
+        // Of the region a fiftieth may be stray, which are many slices here.
+        let region: Vec<_> = (0..30).flat_map(slice).collect();
+        let reach = reach_of(&cylinder(), region.iter().copied());
+        let grown = grown(&cylinder(), reach, region.iter().copied(), (0..).zip(points.iter().copied()));
+        assert_eq!(grown.len(), points.len());
     }
 
     #[test]
