@@ -1,14 +1,22 @@
-//! Clouds that no single sensor has seen: what surrounds the origin, and what was merged from several places.
+//! Clouds that no sensor in their origin has seen: what surrounds it, what was merged from several places, and what a program moved to
+//! other coordinates.
 #![allow(clippy::unwrap_used)]
 
+#[path = "support/fits.rs"]
+mod fits;
+#[allow(dead_code)]
+#[path = "support/frames.rs"]
+mod frames;
 #[allow(dead_code)]
 #[path = "support/random_views.rs"]
 mod random_views;
+#[allow(dead_code)]
+mod support;
 
-use cylfuse::geometry::Cylinder;
+use cylfuse::geometry::{Cylinder, RigidMotion};
 use cylfuse::observations::PointsView;
 use cylfuse::scene::{Detector, DetectorOptions, Scene};
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use random_views::Dice;
 
 /// A pipe: the middle of its axis, its direction and its radius, and half its length.
@@ -109,6 +117,37 @@ fn pipes_in_a_room_are_found_wherever_its_origin_is() {
 }
 
 /// Each look takes what it finds from those after it, in the same order for any number of threads.
+/// In the coordinates of a robot or a map the densities of the points tell from where they were seen, in whatever order they are.
+#[test]
+fn what_a_sensor_saw_shows_the_same_bodies_in_other_coordinates() {
+    let points = fits::cloud_of_scene();
+    let detect = |points: &[[f64; 3]]| Detector::new().detect_points(&PointsView::from_f64(points)).unwrap();
+    let there = detect(&points);
+    assert_eq!(there.cylinders.len(), 5);
+    let rotation = Rotation3::new(Vector3::new(0.9, -0.8, 1.3)).into_inner();
+    for position in [[0.4, 0.0, -0.3], [3.0, -2.0, 1.0], [-4e5, 5e6, 120.0]] {
+        let motion = RigidMotion::new(rotation, position.into()).unwrap();
+        let mut moved: Vec<[f64; 3]> = points.iter().map(|p| motion.point(&(*p).into()).into()).collect();
+        let stride = moved.len() / 7 * 3 + 1;
+        for k in 0..moved.len() {
+            moved.swap(k, k * stride % points.len());
+        }
+        let here = detect(&moved);
+        assert_eq!(here.cylinders.len(), 5, "{position:?}");
+        for found in &there.cylinders {
+            let expected = motion.cylinder(&found.result.cylinder);
+            let is_same = |cylinder: &Cylinder| {
+                let change = expected.compare(cylinder);
+                change.angle < 0.05
+                    && change.axis_distance < 0.1 * expected.radius
+                    && change.radius_relative.abs() < 0.1
+            };
+            let same = here.cylinders.iter().filter(|found| is_same(&found.result.cylinder));
+            assert_eq!(same.count(), 1, "{position:?}: {:?}", here.cylinders);
+        }
+    }
+}
+
 #[test]
 fn many_looks_give_the_same_bits_for_any_number_of_threads() {
     let points = room(&mut Dice::new(22));

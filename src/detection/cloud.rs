@@ -6,6 +6,7 @@ mod image;
 mod looks;
 mod members;
 mod points;
+mod sensor;
 mod viewpoints;
 
 use super::effort::Effort;
@@ -110,14 +111,17 @@ fn look(
     }
     count_pixels(&mut cylinders, &labels);
     looks.note(size, image.closed);
-    let from_origin = viewpoint.is_origin() && !image.closed;
+    let seen_from = (viewpoint.is_origin() && !image.closed).then_some(viewpoint.origin);
     let whole = viewpoint.is_sensor() && !image.closed;
     looks.keep(image.nearest);
-    Ok(Some(Detections { cylinders, labels, from_origin, whole, ..seen }))
+    Ok(Some(Detections { cylinders, labels, seen_from, whole, ..seen }))
 }
 
 /// The image of the present look.
 fn image_of(looks: &mut Looks, asked: &Asked<'_>) -> Result<Option<Image>> {
+    if let Some(image) = looks.image.take() {
+        return Ok(Some(image));
+    }
     let memory = std::mem::take(&mut looks.memory);
     let (Some(points), Some(sample), Some(viewpoint)) = (looks.part(), looks.sample(), looks.viewpoint())
     else {

@@ -11,6 +11,7 @@ use super::{Detection, Detections};
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::statistics::ends;
+use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Rows of the image that are given to a cylinder between two questions whether to go on: some milliseconds.
@@ -98,7 +99,7 @@ pub(super) fn label(
         labels,
         cut_short: effort.is_cut_short(),
         visits: effort.visits(),
-        from_origin: true,
+        seen_from: Some(Vector3::zeros()),
         whole: true,
         image: None,
         shift: None,

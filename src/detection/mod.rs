@@ -114,8 +114,8 @@ pub struct Detections {
     pub cut_short: bool,
     /// What the search took: see `effort`.
     pub(crate) visits: u64,
-    /// Whether the origin is where everything was seen from.
-    pub(crate) from_origin: bool,
+    /// The place where everything was seen from, if any.
+    pub(crate) seen_from: Option<Vector3<f64>>,
     /// Whether a region has all of its body that there is, as far as that can be told.
     pub(crate) whole: bool,
     /// What scores after a fit need of the image.

@@ -185,14 +185,17 @@ impl<'a> Fits<'a> {
     }
 
     /// The points of a region, by their numbers, between the parts next to the limbs, which structured light and
-    /// stereo draw out; `None` where they were seen from elsewhere than the origin, or from inside, where there are no limbs, and
-    /// where little or less than half of the region would be left.
+    /// stereo draw out; `None` where they were seen from more than one place, or from inside, where there are no limbs, and where
+    /// little or less than half of the region would be left.
     fn middle(&self, looks: &Looks, region: &[u32], cylinder: &Cylinder) -> Option<Vec<u32>> {
-        if !self.seen.from_origin || cylinder.contains_origin() {
+        let place = self.seen.seen_from?;
+        let axis = Line { point: cylinder.axis.point - place, ..cylinder.axis };
+        let seen = Cylinder { axis, ..*cylinder };
+        if seen.contains_origin() {
             return None;
         }
-        let band = Band::new(cylinder, MIDDLE);
-        let inner = region.iter().copied().filter(|&k| band.contains(&looks.place(k)));
+        let band = Band::new(&seen, MIDDLE);
+        let inner = region.iter().copied().filter(|&k| band.contains(&(looks.place(k) - place)));
         let middle: Vec<u32> = inner.collect();
         (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
     }

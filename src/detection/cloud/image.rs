@@ -255,10 +255,13 @@ impl WithSimd for Projection<'_> {
 }
 
 /// For each pixel the point that is seen there.
+#[derive(Debug)]
 pub(super) struct Image {
     pub raster: Raster,
     /// What each pixel sees, and at last what lies outside.
     pub nearest: Vec<u64>,
+    /// The part of the points in front that no others hide.
+    pub seen: f64,
     /// Whether there is another wall behind what is seen: no sensor has seen all of it from here.
     pub closed: bool,
 }
@@ -276,13 +279,14 @@ impl Image {
         let Some(slopes) = Slopes::of(sample, pose, widest) else { return Ok(None) };
         let in_front = slopes.in_front * points.usable as f64;
         let Some(raster) = Raster::new(in_front, &slopes, pose) else { return Ok(None) };
-        let image = Self::new(points, raster, memory, asked)?;
+        let mut image = Self::new(points, raster, memory, asked)?;
         let seen = image.count_seen(sample, asked)? as f64 / (slopes.in_front * sample.usable as f64);
+        image.seen = seen;
         if seen >= MOSTLY_SEEN {
             return Ok(Some(image));
         }
         let Some(raster) = Raster::new(seen * in_front, &slopes, pose) else { return Ok(None) };
-        let mut image = Self::new(points, raster, image.nearest, asked)?;
+        let mut image = Self { seen, ..Self::new(points, raster, image.nearest, asked)? };
         image.close();
         Ok(Some(image))
     }
@@ -296,7 +300,7 @@ impl Image {
                 *seen = (*seen).min(at_depth(*depth, number));
             }
         })?;
-        Ok(Self { raster, nearest, closed: false })
+        Ok(Self { raster, nearest, seen: 1.0, closed: false })
     }
 
     /// The point that is seen at a pixel.

@@ -3,9 +3,12 @@
 use super::super::grid::side_of_cells;
 use super::Asked;
 use super::cubes::Order;
-use super::image::FEWEST;
+use super::image::{FEWEST, Image};
 use super::points::Points;
-use super::viewpoints::{Viewpoint, are_far, from_all_sides, of_origin, of_sensor};
+use super::sensor::{Densities, FEW_POINTS, MANY_POINTS};
+use super::viewpoints::{
+    Viewpoint, are_far, from_all_sides, middle_of_some, of_origin, of_sensor, of_sensor_at,
+};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::observations::PointsView;
@@ -20,6 +23,13 @@ const FEW_CELLS: usize = 4_000;
 
 /// How often a cloud is cut into smaller tiles.
 pub(super) const LEVELS: u32 = 4;
+
+/// From where a sensor was others hide less than the rest of this part of the points: from those of the twin 0.98 and more are seen, and
+/// 0.93 and more where the points were thinned in cubes.
+const SEEN: f64 = 0.93;
+
+/// From another place than the origin so much of what is hidden there is hidden, at most, where that is no sensor.
+const LESS: f64 = 0.6;
 
 /// The sides that a tile is looked at from.
 const SIDES: usize = 6;
@@ -43,6 +53,10 @@ pub(crate) struct Looks {
     side: usize,
     /// Whether finer cells may show more.
     few_cells: bool,
+    /// Whether the cloud is so far from its origin that nothing there has seen it.
+    far: bool,
+    /// Whether no sensor has seen all of it.
+    unseen: bool,
     /// Whether some image of the origin has another wall behind what is seen, or no image is of the origin.
     closed: bool,
     /// How often the same surface may have been looked at before.
@@ -63,6 +77,8 @@ pub(crate) struct Looks {
     sample: Option<Points>,
     /// Whether tile and sample are to be read.
     stale: bool,
+    /// The image of the present look, where it has been made to choose that.
+    pub(super) image: Option<Image>,
     /// Memory of an image, for the next one.
     pub(super) memory: Vec<u64>,
 }
@@ -74,6 +90,8 @@ impl Default for Looks {
             current: 0,
             side: LEAST_SIDE,
             few_cells: false,
+            far: false,
+            unseen: false,
             closed: false,
             before: 0,
             level: 0,
@@ -84,6 +102,7 @@ impl Default for Looks {
             tile: None,
             sample: None,
             stale: true,
+            image: None,
             memory: Vec::new(),
         }
     }
@@ -143,15 +162,12 @@ impl Looks {
 
     /// Reads what there is to be looked at, and chooses from where. Whether there is a look to take.
     pub(super) fn prepare(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
-        let mut far = false;
         if self.points.is_none() {
             let mut points = Points::read(view, Vector3::zeros(), asked)?;
-            far = are_far(&points);
-            if far {
+            self.far = are_far(&points);
+            if self.far {
                 let among_them = points.all_usable().next().unwrap_or_default();
                 points = Points::read(view, among_them, asked)?;
-                // More than one place may have seen them.
-                self.closed = true;
             }
             self.points = Some(points);
         }
@@ -169,10 +185,15 @@ impl Looks {
         if self.viewpoints.is_empty() {
             self.side = LEAST_SIDE;
             if self.level == 0 {
-                self.viewpoints.extend(self.part().filter(|_| !far).and_then(of_sensor));
+                if !self.unseen {
+                    let sensor = self.sensor(asked)?;
+                    self.viewpoints.extend(sensor);
+                }
                 if self.viewpoints.is_empty() {
+                    // More than one place may have seen what is far from the origin.
+                    self.closed |= self.far;
                     self.put_in_order(view, asked)?;
-                    self.viewpoints = self.sample().filter(|_| !far).map(of_origin).unwrap_or_default();
+                    self.viewpoints = self.sample().filter(|_| !self.far).map(of_origin).unwrap_or_default();
                 }
             }
             if self.viewpoints.first().is_none_or(|first| !first.is_sensor()) {
@@ -180,6 +201,40 @@ impl Looks {
             }
         }
         Ok(self.viewpoint().is_some())
+    }
+
+    /// Where a sensor was that has seen the cloud: in the origin, unless that is far, or where the densities of the points tell.
+    fn sensor(&mut self, asked: &Asked<'_>) -> Result<Option<Viewpoint>> {
+        let Some(points) = &self.points else { return Ok(None) };
+        let image = |viewpoint: &Viewpoint, memory: Vec<u64>| {
+            Image::of(points, points, (&viewpoint.pose(points), viewpoint.widest), memory, asked)
+        };
+        let origin = if self.far { None } else { of_sensor(points) };
+        let (mut hidden_from_origin, mut memory) = (1.0, Vec::new());
+        if let Some(origin) = &origin
+            && let Some(image) = image(origin, Vec::new())?
+        {
+            let is_one = || Densities::of(points, FEW_POINTS).is_none_or(|few| few.confirm(&origin.origin));
+            if image.seen >= SEEN && is_one() {
+                self.image = Some(image);
+                return Ok(Some(*origin));
+            }
+            (hidden_from_origin, memory) = (1.0 - image.seen, image.nearest);
+        }
+        let (_, middle, _) = middle_of_some(points);
+        // Of several places the one that leaves the least of the densities and hides the least of the points.
+        let mut best: Option<(f64, Viewpoint)> = None;
+        for (place, left) in Densities::of(points, MANY_POINTS).iter().flat_map(Densities::places) {
+            let Some(viewpoint) = of_sensor_at(&place, points, &(points.origin + middle)) else { continue };
+            let Some(image) = image(&viewpoint, memory)? else { break };
+            let hidden = 1.0 - image.seen;
+            let is_one = image.seen >= SEEN && hidden < LESS * hidden_from_origin;
+            if is_one && best.as_ref().is_none_or(|(least, _)| left * hidden < *least) {
+                best = Some((left * hidden, viewpoint));
+            }
+            memory = image.nearest;
+        }
+        Ok(best.map(|(_, viewpoint)| viewpoint).or(origin))
     }
 
     fn look_from_all_sides(&mut self) {
@@ -256,8 +311,16 @@ impl Looks {
             self.before += usize::from(Some(next.origin) != origin);
             return next.is_origin() || self.closed || !found;
         }
-        if self.viewpoints.first().is_some_and(Viewpoint::is_sensor) && !self.closed {
-            return false;
+        if let Some(sensor) = self.viewpoints.first().filter(|first| first.is_sensor() && !self.closed) {
+            if found || sensor.origin == Vector3::zeros() {
+                return false;
+            }
+            // The densities may have misled.
+            (self.unseen, self.closed) = (true, true);
+            self.viewpoints.clear();
+            self.current = 0;
+            self.before += 1;
+            return true;
         }
         self.viewpoints.clear();
         self.current = 0;

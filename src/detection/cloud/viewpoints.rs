@@ -24,7 +24,7 @@ const NEARLY_ALL: f64 = 0.98;
 /// What a viewpoint is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// The origin, nearly all points being in front of a camera there.
+    /// The place of a sensor, nearly all points being in front of a camera there.
     Sensor,
     /// The origin, in whatever direction.
     Origin,
@@ -61,12 +61,12 @@ impl Viewpoint {
         }
     }
 
-    /// Whether it is the origin.
+    /// Whether it is the origin, or the place of a sensor.
     pub fn is_origin(&self) -> bool {
         self.kind != Kind::Elsewhere
     }
 
-    /// Whether the points are in its frame of reference already.
+    /// Whether nearly all points lie in front of a camera there, which may have seen them all.
     pub fn is_sensor(&self) -> bool {
         self.kind == Kind::Sensor
     }
@@ -81,6 +81,18 @@ impl Viewpoint {
 pub(super) fn of_sensor(points: &Points) -> Option<Viewpoint> {
     let in_front = count_in_front(points, &Viewpoint::SENSOR.pose(points), WIDEST);
     (in_front as f64 >= NEARLY_ALL * points.usable as f64).then_some(Viewpoint::SENSOR)
+}
+
+/// From the place of a sensor towards points with some middle, where nearly all lie in front of a camera there.
+pub(super) fn of_sensor_at(
+    place: &Vector3<f64>,
+    points: &Points,
+    middle: &Vector3<f64>,
+) -> Option<Viewpoint> {
+    let towards = (middle - place).try_normalize(0.0)?;
+    let viewpoint = Viewpoint::new(*place, &towards, WIDEST, Kind::Sensor);
+    let in_front = count_in_front(points, &viewpoint.pose(points), WIDEST);
+    (in_front as f64 >= NEARLY_ALL * points.usable as f64).then_some(viewpoint)
 }
 
 /// From the origin: towards the points, some of which are given, where they lie about one direction, else to all sides.
@@ -100,7 +112,7 @@ pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
 }
 
 /// Some points, their middle, and how far from that they lie.
-fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64>, f64) {
+pub(super) fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64>, f64) {
     let step = points.usable.div_ceil(ENOUGH).max(1);
     let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).collect();
     let mut numbers = Vec::with_capacity(some.len());
