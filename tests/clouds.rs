@@ -4,13 +4,11 @@
 
 #[path = "support/fits.rs"]
 mod fits;
-#[allow(dead_code)]
 #[path = "support/frames.rs"]
 mod frames;
 #[allow(dead_code)]
 #[path = "support/random_views.rs"]
 mod random_views;
-#[allow(dead_code)]
 mod support;
 
 use cylfuse::geometry::{Cylinder, RigidMotion};

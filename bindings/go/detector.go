@@ -262,9 +262,9 @@ func (detector *Detector) Detect(frame *Frame) ([]Detection, error) {
 }
 
 // DetectPoints finds all cylinders in a cloud, organised or not, and fits each to its points: by falling score, and there
-// may be none. Points with a coordinate that is not finite or a weight of 0 are left out. Where nearly all points lie in
-// front of it, the origin is taken for the sensor; other clouds are looked at from all sides, which takes ten times as long
-// and more.
+// may be none. Points with a coordinate that is not finite or a weight of 0 are left out. It is looked at from where
+// one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at from all
+// sides, which takes ten times as long and more.
 func (detector *Detector) DetectPoints(points PointCloud) ([]Detection, error) {
 	call, err := points.pointsView()
 	if err != nil {

@@ -21,8 +21,9 @@ inline namespace with_exceptions {
  * Finds all cylinders of a cloud, organised or not, and fits each: in place of normals, planes that are taken out,
  * clusters, and a segmentation of each. It is used like pcl::OrganizedMultiPlaneSegmentation.
  *
- * Only points with the indices that were set take part, if there are any. Where nearly all points lie in front of it, the
- * origin is taken for the sensor; other clouds are looked at from all sides, which takes ten times as long and more.
+ * Only points with the indices that were set take part, if there are any. It is looked at from where
+ * one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at from all
+ * sides, which takes ten times as long and more.
  * With setIntrinsics the cloud must be organised and in the frame of that camera: pixel
  * and point go together then, ends are found, and with setImage the limbs are located in the image.
  *

@@ -238,9 +238,10 @@ impl Detector {
         detect_until(camera, depth, frame.image(), &search, stopped)
     }
 
-    /// Finds and fits all cylinders of a cloud, organised or not. Where nearly all points lie in front of it, and hide none of each
-    /// other, the origin is taken for the sensor. Other clouds are looked at from all sides, and from all sides of tiles of them, which
-    /// takes ten times as long and more. Points with a coordinate that is not finite or a weight of 0 are left out.
+    /// Finds and fits all cylinders of a cloud, organised or not. It is looked at from where a sensor has seen
+    /// it: the origin, where nearly all points lie in front of it and hide none of each other, or where their densities tell. Clouds that
+    /// no single place has seen are looked at from all sides, and from all sides of tiles of them, which takes ten times as long and more.
+    /// Points with a coordinate that is not finite or a weight of 0 are left out.
     ///
     /// # Errors
     /// `InvalidArgument` for a negative weight, and for too many points; `Unsupported` as [`Detector::detect`];

@@ -56,7 +56,7 @@ pub fn frame() -> Inputs {
     Inputs::read(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/frames/r40_a20_f0"))
 }
 
-/// A frame of two cylinders on a table, with or without its image.
+/// A frame of five cylinders on a table, with or without its image.
 pub fn scene(image: bool) -> Frame {
     let inputs = Inputs::read(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/scene"));
     let mut frame = Frame::new(Camera::new(inputs.intrinsics).unwrap());

@@ -95,8 +95,8 @@ export class Detector {
   detectSync(frame: Frame): Detection[];
   /**
    * Finds all cylinders in a cloud, organised or not, and fits each to its points, on a thread of the pool of Node. The
-   * points are copied at once. Where nearly all points lie in front of it, the origin is taken for the sensor;
-   * other clouds are looked at from all sides, which takes ten times as long and more.
+   * points are copied at once. It is looked at from where one sensor has seen it, in its origin or where the densities of the
+   * points tell; other clouds are looked at from all sides, which takes ten times as long and more.
    */
   detectPoints(points: Scalars | Points): Promise<Detection[]>;
   /** The same on this thread, without a copy. */

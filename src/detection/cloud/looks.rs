@@ -41,7 +41,7 @@ struct Tile {
     numbers: Vec<u32>,
 }
 
-/// The looks at a cloud, one after the other: from its origin, and where that is not where all of it was seen from, from all sides, and
+/// The looks at a cloud, one after the other: from where a sensor has seen all of it, and where none has, from all sides, and
 /// from all sides of tiles of it, in which less hides the rest and pixels are as small as the points there allow.
 #[derive(Debug)]
 pub(crate) struct Looks {

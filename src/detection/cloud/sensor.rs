@@ -105,7 +105,7 @@ impl Densities {
     }
 
     /// The first ones of some places that are apart.
-    fn distinct(&self, fits: List<Fit>) -> List<Fit> {
+    fn distinct(&self, fits: &[Fit]) -> List<Fit> {
         let mut distinct: List<Fit> = List::new();
         for found in fits.iter().filter(|found| found.scale.is_finite()) {
             let distance = APART * (found.place - self.middle).norm();
@@ -125,11 +125,11 @@ impl Densities {
         let mut fits: List<Fit> = from.collect();
         let order = |fits: &mut List<Fit>| fits.sort_by(|a, b| a.scale.total_cmp(&b.scale));
         order(&mut fits);
-        let of_few = self.distinct(fits);
+        let of_few = self.distinct(&fits);
         let mut fits: List<Fit> =
             of_few.iter().map(|found| Fit::new(pieces, &found.place, *size, STEPS[1])).collect();
         order(&mut fits);
-        let distinct = self.distinct(fits);
+        let distinct = self.distinct(&fits);
         distinct.iter().map(|found| (origin + found.place, found.scale)).collect()
     }
 }

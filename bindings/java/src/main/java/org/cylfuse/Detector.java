@@ -150,8 +150,9 @@ public final class Detector implements AutoCloseable {
 
     /**
      * Finds all cylinders in a cloud, organised or not, and fits each to its points. Points with a coordinate that is not
-     * finite or a weight of 0 are left out. Where nearly all points lie in front of it, the origin is taken for the
-     * sensor; other clouds are looked at from all sides, which takes ten times as long and more.
+     * finite or a weight of 0 are left out. It is looked at from where one sensor has seen it, in its origin or
+     * where the densities of the points tell; other clouds are looked at from all sides, which takes ten times as long and
+     * more.
      *
      * @param points the points
      * @return the cylinders by falling score
