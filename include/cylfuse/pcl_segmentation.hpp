@@ -205,7 +205,8 @@ public:
     const Error &getError() const { return error_; }
     /**
      * Whether a limit of setRadiusLimits or setAxis decided the last `segment` that gave something: the radius or the axis is
-     * at its limit, and the points fit better beyond it. Such a cylinder is rarely one that is there, and PCL_WARN says so.
+     * at its limit, and the points fit better beyond it; or it is known, and they contradict it. Such a cylinder is rarely one
+     * that is there, and PCL_WARN says so.
      */
     bool isAtLimit() const { return fit_.result.has(ResultFlags::RadiusAtLimit | ResultFlags::AxisAtLimit); }
     /** What the last `segment` that gave something found, with the numbers to judge it. */

@@ -406,8 +406,11 @@ static void limits_hold_as_pcl_checks_them()
     segmentation.setRadiusLimits(0.045, 0.045);
     segmentation.segment(inliers, coefficients);
     CHECK(segmentation.getResult().cylinder.model.radius == 0.045);
-    CHECK(!segmentation.isAtLimit()); // A radius that is known is no limit.
-    // The pipe has 0.05: limits that leave it out, on either side, decide, and that shows.
+    CHECK(segmentation.isAtLimit()); // The pipe has 0.05, and its points say so.
+    segmentation.setRadiusLimits(0.05, 0.05);
+    segmentation.segment(inliers, coefficients);
+    CHECK(!segmentation.isAtLimit());
+    // Limits that leave it out, on either side, decide, and that shows.
     for (const bool optimize : {true, false}) {
         segmentation.setOptimizeCoefficients(optimize);
         segmentation.setRadiusLimits(0.06, 0.2);
