@@ -210,6 +210,18 @@ fn a_single_point_however_far_away_changes_nothing() {
     }
 }
 
+/// Most points on a spot of the body do not make the rest of it far away.
+#[test]
+fn a_dense_spot_is_not_the_whole_body() {
+    let mut noise = Noise::new(5);
+    let mut points = visible_points(&can(), &Vector3::zeros(), 1500);
+    let spot = Vector3::from(points[700]);
+    points.extend((0..2000).map(|_| <[f64; 3]>::from(spot + 1e-6 * noise.vector())));
+    let result = fitter_with(&points).fit().unwrap();
+    assert_eq!(result.points_used, 3500);
+    assert!((result.cylinder.radius / can().radius - 1.0).abs() < 1e-3, "{result:?}");
+}
+
 /// A cylinder through both the body and what is behind it explains them, but a plane explains the body as well.
 #[test]
 fn a_few_points_of_what_is_far_behind_the_body_change_nothing() {

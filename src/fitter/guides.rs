@@ -55,7 +55,7 @@ impl Guides {
             let Some([first, second]) = apart(camera, cylinder, guide) else { return };
             guide.limb = Some(usize::from(second < first));
         }
-        let of_mask = self.sides.iter().chain(&self.cut);
+        let of_mask = self.sides.iter().chain(&self.cut).chain(self.seen.iter().map(|part| &part.0));
         let of_mask = of_mask.filter_map(|side| Some((side.limb?, apart(camera, cylinder, side)?)));
         let [as_they_are, swapped] = of_mask.fold([0.0; 2], |[as_they_are, swapped], (limb, apart)| {
             [as_they_are + apart[limb], swapped + apart[1 - limb]]

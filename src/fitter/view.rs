@@ -18,6 +18,9 @@ const SAMPLE: usize = 64;
 /// from 1 m to 100 m away from a scanner it is 10.
 const FAR: f64 = 100.0;
 
+/// They are this part of the points at most: more may be the body, and those near each other a spot on it.
+const FEW: f64 = 0.1;
+
 /// One view of the cylinder: a frame, and what was pushed of the cylinder in it, in the coordinates of the view.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct View {
@@ -131,7 +134,8 @@ impl View {
             return None;
         }
         let cloud = self.cloud.chosen(|index| (self.cloud.point(index) - middle).norm() <= reach);
-        Some(self.with_points(cloud, self.body.clone()))
+        let few = (self.cloud.len() - cloud.len()) as f64 <= FEW * self.cloud.len() as f64;
+        few.then(|| self.with_points(cloud, self.body.clone()))
     }
 
     /// The camera of image, mask and edges.
