@@ -1,6 +1,7 @@
 //! Robust location and scale of numbers.
 
 use crate::memory::List;
+use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
 /// The standard deviation of normal errors over the median of their absolute values.
@@ -35,6 +36,11 @@ pub(crate) fn median(values: &mut [f64]) -> f64 {
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The upper median of points along each axis, 0 for none.
+pub(crate) fn median_point(points: &[Vector3<f64>]) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| median(&mut points.iter().map(|point| point[axis]).collect::<List<_>>()))
 }
 
 /// The upper median, and the standard deviation about it, from the median of the distances: 0 for no values, in place of which these

@@ -111,7 +111,7 @@ fn look(
     }
     count_pixels(&mut cylinders, &labels);
     looks.note(size, image.closed);
-    let seen_from = (viewpoint.is_origin() && !image.closed).then_some(viewpoint.origin);
+    let seen_from = (viewpoint.may_be_sensor() && !image.closed).then_some(viewpoint.origin);
     let whole = viewpoint.is_sensor() && !image.closed;
     looks.keep(image.nearest);
     Ok(Some(Detections { cylinders, labels, seen_from, whole, ..seen }))

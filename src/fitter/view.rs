@@ -7,7 +7,7 @@ use crate::memory::List;
 use crate::noise::{ImageNoise, NoiseModel};
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 use crate::parts::Parts;
-use crate::statistics::{median, median_size};
+use crate::statistics::{median_point, median_size};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 
@@ -127,8 +127,7 @@ impl View {
     pub fn without_far_points(&self) -> Option<Self> {
         let (_, covariance) = self.mean_and_covariance()?;
         let sample: List<_> = self.cloud.sampled(SAMPLE).collect();
-        let along = |axis: usize| median(&mut sample.iter().map(|p| p[axis]).collect::<List<_>>());
-        let middle = Vector3::new(along(0), along(1), along(2));
+        let middle = median_point(&sample);
         let reach = FAR * median_size(sample.iter().map(|p| (p - middle).norm()));
         if reach == 0.0 || covariance.trace() <= reach * reach {
             return None;

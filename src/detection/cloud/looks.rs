@@ -219,9 +219,9 @@ impl Looks {
         let middle = points.origin + middle;
         let origin = if self.far { None } else { of_sensor(points) };
         // A sensor in the origin may look along another axis: that is a look like others.
-        let aside = || of_sensor_at(&Vector3::zeros(), points, &middle);
+        let aside = || if self.far { None } else { of_sensor_at(&Vector3::zeros(), points, &middle) };
         let (mut hidden_from_origin, mut memory) = (1.0, Vec::new());
-        if let Some(from) = origin.or_else(|| if self.far { None } else { aside() })
+        if let Some(from) = origin.or_else(aside)
             && let Some(image) = image(&from, Vec::new())?
         {
             let is_one = || Densities::of(points, FEW_POINTS).is_none_or(|few| few.confirm(&from.origin));
@@ -233,11 +233,13 @@ impl Looks {
         }
         // Of several places the one that leaves the least of the densities and hides the least of the points.
         let mut best: Option<(f64, Viewpoint)> = None;
-        for (place, left) in Densities::of(points, MANY_POINTS).iter().flat_map(Densities::places) {
+        let densities = Densities::of(points, MANY_POINTS);
+        let places = densities.iter().flat_map(Densities::places).filter(|(_, left)| *left <= LEFT);
+        for (place, left) in places {
             let Some(viewpoint) = of_sensor_at(&place, points, &middle) else { continue };
             let Some(image) = image(&viewpoint, memory)? else { break };
             let hidden = 1.0 - image.seen;
-            let is_one = left <= LEFT && image.seen >= SEEN && hidden < LESS * hidden_from_origin;
+            let is_one = image.seen >= SEEN && hidden < LESS * hidden_from_origin;
             let cost = left * (hidden + HIDDEN);
             if is_one && best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, viewpoint));
@@ -282,7 +284,7 @@ impl Looks {
     pub(super) fn note(&mut self, (width, height): (usize, usize), closed: bool) {
         self.few_cells = width * height < FEW_CELLS * self.side * self.side;
         let Some(viewpoint) = self.viewpoint().copied() else { return };
-        self.closed |= closed && viewpoint.is_origin();
+        self.closed |= closed && viewpoint.may_be_sensor();
         if viewpoint.is_sensor() && closed && self.viewpoints.len() == 1 {
             // No sensor was there.
             self.look_from_all_sides();
@@ -319,7 +321,7 @@ impl Looks {
         if let Some(next) = self.viewpoints.get(self.current) {
             // To other sides of the same place other surfaces are seen.
             self.before += usize::from(Some(next.origin) != origin);
-            return next.is_origin() || self.closed || !found;
+            return next.may_be_sensor() || self.closed || !found;
         }
         if let Some(sensor) = self.viewpoints.first().filter(|first| first.is_sensor() && !self.closed) {
             if found || sensor.origin == Vector3::zeros() {

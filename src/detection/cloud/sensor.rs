@@ -71,7 +71,7 @@ struct Fit {
 
 /// How densely the surface of a cloud has points.
 pub(super) struct Densities {
-    /// The place that the pieces are relative to, that of most points among them, and how far from there they lie.
+    /// Where the coordinates of the pieces begin, the middle of the points in these, and how far from that they lie.
     origin: Vector3<f64>,
     middle: Vector3<f64>,
     size: f64,

@@ -2,7 +2,7 @@
 
 use super::image::count_in_front;
 use super::points::{Points, Pose};
-use crate::statistics::median;
+use crate::statistics::{median_point, median_size};
 use nalgebra::{Matrix3, Vector3};
 
 /// The rays of a cloud lie within this slope about the z axis where its origin is that of a camera.
@@ -61,14 +61,20 @@ impl Viewpoint {
         }
     }
 
-    /// Whether it is the origin, or the place of a sensor.
-    pub fn is_origin(&self) -> bool {
+    /// Whether a sensor may have been there: in the origin, or where the points tell.
+    pub fn may_be_sensor(&self) -> bool {
         self.kind != Kind::Elsewhere
     }
 
     /// Whether nearly all points lie in front of a camera there, which may have seen them all.
     pub fn is_sensor(&self) -> bool {
         self.kind == Kind::Sensor
+    }
+
+    /// Whether nearly all of some points lie in front of a camera there.
+    fn has_before_it(&self, points: &Points) -> bool {
+        let in_front = count_in_front(points, &self.pose(points), WIDEST);
+        in_front as f64 >= NEARLY_ALL * points.usable as f64
     }
 
     /// The pose of the camera at points.
@@ -79,8 +85,7 @@ impl Viewpoint {
 
 /// The origin along the z axis, where nearly all points lie in front of a camera there.
 pub(super) fn of_sensor(points: &Points) -> Option<Viewpoint> {
-    let in_front = count_in_front(points, &Viewpoint::SENSOR.pose(points), WIDEST);
-    (in_front as f64 >= NEARLY_ALL * points.usable as f64).then_some(Viewpoint::SENSOR)
+    Some(Viewpoint::SENSOR).filter(|sensor| sensor.has_before_it(points))
 }
 
 /// From the place of a sensor towards points with some middle, where nearly all lie in front of a camera there.
@@ -90,9 +95,7 @@ pub(super) fn of_sensor_at(
     middle: &Vector3<f64>,
 ) -> Option<Viewpoint> {
     let towards = (middle - place).try_normalize(0.0)?;
-    let viewpoint = Viewpoint::new(*place, &towards, WIDEST, Kind::Sensor);
-    let in_front = count_in_front(points, &viewpoint.pose(points), WIDEST);
-    (in_front as f64 >= NEARLY_ALL * points.usable as f64).then_some(viewpoint)
+    Some(Viewpoint::new(*place, &towards, WIDEST, Kind::Sensor)).filter(|sensor| sensor.has_before_it(points))
 }
 
 /// From the origin: towards the points, some of which are given, where they lie about one direction, else to all sides.
@@ -102,8 +105,7 @@ pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
     let towards = places.filter_map(|p| p.try_normalize(0.0)).sum::<Vector3<f64>>();
     if let Some(towards) = towards.try_normalize(0.0) {
         let viewpoint = Viewpoint::new(origin, &towards, WIDEST, Kind::Origin);
-        let in_front = count_in_front(points, &viewpoint.pose(points), WIDEST);
-        if in_front as f64 >= NEARLY_ALL * points.usable as f64 {
+        if viewpoint.has_before_it(points) {
             return vec![viewpoint];
         }
     }
@@ -115,15 +117,8 @@ pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
 pub(super) fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64>, f64) {
     let step = points.usable.div_ceil(ENOUGH).max(1);
     let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).collect();
-    let mut numbers = Vec::with_capacity(some.len());
-    let middle = Vector3::from_fn(|axis, _| {
-        numbers.clear();
-        numbers.extend(some.iter().map(|point| point[axis]));
-        median(&mut numbers)
-    });
-    numbers.clear();
-    numbers.extend(some.iter().map(|point| (point - middle).norm()));
-    let size = median(&mut numbers);
+    let middle = median_point(&some);
+    let size = median_size(some.iter().map(|point| (point - middle).norm()));
     (some, middle, size)
 }
 

@@ -6,7 +6,7 @@ use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame};
 use crate::memory::List;
 use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
 use crate::solver::{Domain, IterationLimits, minimise};
-use crate::statistics::{median, median_size};
+use crate::statistics::{median_point, median_size};
 use nalgebra::{Matrix3, Vector3};
 
 /// Threshold of the first part of the local optimisation, in units of the final one: wide enough for the
@@ -168,9 +168,7 @@ impl Scorer<'_> {
     /// side of a cylinder that is no body, no plane is near all.
     pub fn is_flat_in_the_middle(&self, cylinder: &Cylinder) -> bool {
         self.is_plane(cylinder, |inliers| {
-            let along = |axis: usize| median(&mut inliers.iter().map(|p| p[axis]).collect::<List<_>>());
-            let middle = (!inliers.is_empty()).then(|| Vector3::new(along(0), along(1), along(2)))?;
-            Some(Plane::tangent(cylinder, middle))
+            (!inliers.is_empty()).then(|| Plane::tangent(cylinder, median_point(inliers)))
         })
     }
 
