@@ -86,11 +86,11 @@ pub(crate) struct Region<'a> {
 
 impl<'a> Region<'a> {
     pub fn new(call: &'static str, fitter: &'a Fitter, mask: Option<&MaskView<'_>>) -> Result<Self> {
-        let camera = fitter.camera().ok_or(Error::BadState {
-            call,
-            missing: "intrinsics",
-            remedy: "set the intrinsics first",
-        })?;
+        let (missing, remedy) = match mask.is_some() || fitter.mask().is_some() {
+            true => ("intrinsics", "set the intrinsics first"),
+            false => ("intrinsics and a mask", "set the intrinsics and give a mask"),
+        };
+        let camera = fitter.camera().ok_or(Error::BadState { call, missing, remedy })?;
         let given = mask.map(Mask::copy).transpose()?.map(Cow::Owned);
         let mask = given.or_else(|| fitter.mask().map(Cow::Borrowed)).ok_or(Error::BadState {
             call,

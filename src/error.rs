@@ -141,8 +141,8 @@ pub enum Error {
         /// Why the starts that were tried failed.
         reason: String,
     },
-    /// The limb lines cannot be formed from the model and the segments although they are needed.
-    #[error("the edges cannot be used: {reason}; {remedy}")]
+    /// The camera sees no limb lines where they are needed, or nothing that was given meets the cylinder.
+    #[error("{reason}; {remedy}")]
     EdgeGeometry {
         /// Why.
         reason: String,
@@ -283,7 +283,7 @@ fn planar(radius: f64, spread: f64, limit: f64, axis_limited: bool) -> String {
             "no cylinder with its axis within the limit fits the points: {grew}; check axis and axis_max_angle, and the mask"
         ),
         false => format!(
-            "the points lie on a plane: {grew}; check the mask, or give points that cover more of the circumference"
+            "the points lie on a plane: {grew}; check the mask or the choice of points, or give points that cover more of the circumference"
         ),
     }
 }

@@ -92,6 +92,7 @@ const (
 )
 
 // DetectionProgress is how far a detector is: before the search, after it, and after each fit.
+// A cloud that is searched from many places begins again with each.
 type DetectionProgress struct {
 	// Phase is what the detector is doing.
 	Phase DetectionPhase
@@ -264,7 +265,7 @@ func (detector *Detector) Detect(frame *Frame) ([]Detection, error) {
 // DetectPoints finds all cylinders in a cloud, organised or not, and fits each to its points: by falling score, and there
 // may be none. Points with a coordinate that is not finite or a weight of 0 are left out. It is looked at from where
 // one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at from all
-// sides, which takes ten times as long and more.
+// sides, which takes about ten times as long.
 func (detector *Detector) DetectPoints(points PointCloud) ([]Detection, error) {
 	call, err := points.pointsView()
 	if err != nil {

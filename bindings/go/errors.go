@@ -48,7 +48,7 @@ const (
 	StatusNoDepth Status = C.CYLFUSE_STATUS_NO_DEPTH
 	// StatusNoStart: no start for the iteration could be found.
 	StatusNoStart Status = C.CYLFUSE_STATUS_NO_START
-	// StatusEdgeGeometry: the limb lines are needed but cannot be formed.
+	// StatusEdgeGeometry: the camera sees no limbs of the cylinder, or nothing that was given meets it.
 	StatusEdgeGeometry Status = C.CYLFUSE_STATUS_EDGE_GEOMETRY
 	// StatusNumerical: the arithmetic left the range of numbers.
 	StatusNumerical Status = C.CYLFUSE_STATUS_NUMERICAL

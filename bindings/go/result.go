@@ -383,7 +383,7 @@ func completionFromC(c *C.cylfuse_completion) Completion {
 type EndState int32
 
 const (
-	// EndUnknown: no depth was measured beyond the end, or no depth image was pushed.
+	// EndUnknown: nothing tells what lies beyond the end: no depth was measured there, or no depth image pushed.
 	EndUnknown EndState = C.CYLFUSE_END_STATE_UNKNOWN
 	// EndSeen: the surface ends there.
 	EndSeen EndState = C.CYLFUSE_END_STATE_SEEN

@@ -246,7 +246,7 @@ typedef int32_t cylfuse_status;
  */
 #define CYLFUSE_STATUS_NO_START (-25)
 /**
- * The limb lines are needed but cannot be formed.
+ * The camera sees no limbs of the cylinder where they are needed, or nothing that was given meets it.
  */
 #define CYLFUSE_STATUS_EDGE_GEOMETRY (-26)
 /**
@@ -275,7 +275,7 @@ typedef int32_t cylfuse_method;
  */
 #define CYLFUSE_METHOD_POINTS 1
 /**
- * Random sample consensus over the points, without a final iteration.
+ * Random sample consensus over the points with local optimisation; no fit to all points follows.
  */
 #define CYLFUSE_METHOD_RANSAC 2
 /**
@@ -1786,7 +1786,8 @@ typedef struct cylfuse_detection_progress {
 
 /**
  * Is called with the progress of a detector: before the search, after it, and after each fit, on the thread that
- * called `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
+ * called `cylfuse_detector_detect` or `cylfuse_detector_detect_points`. A cloud that was not seen from its origin is
+ * searched from many places, and phase and counts begin again with each.
  *
  * It must not throw, unwind or longjmp. Of the functions on the same detector it may only call
  * `cylfuse_detector_cancel` and `cylfuse_detector_last_error`: all others return BUSY. Other detectors and all fitters
@@ -2823,7 +2824,7 @@ CYLFUSE_NOEXCEPT;
 /**
  * Finds all cylinders in a cloud, organised or not, and fits each to its points. It is looked at from where
  * one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at from all
- * sides, which takes ten times as long and more. Points with a coordinate that is not finite or a weight of 0 are left
+ * sides, which takes about ten times as long. Points with a coordinate that is not finite or a weight of 0 are left
  * out. The scene takes the place of the last one.
  *
  * @param detector the detector
@@ -2979,7 +2980,8 @@ CYLFUSE_NOEXCEPT;
 /**
  * Makes a fitter of one cylinder as its fit left it, with options, frame or points, region as mask, start model and
  * result: for residuals, completion, limbs and all else that can be asked of a fit, or for another fit. It shares the
- * images of the frame and does not depend on the detector.
+ * images of the frame and does not depend on the detector. That of a cloud has no mask: completion asks for intrinsics and
+ * one.
  *
  * @param detector the detector
  * @param index the cylinder, from 0
@@ -3290,7 +3292,8 @@ CYLFUSE_NOEXCEPT;
  * Finds the visible piece of the cylinder and what its ends are: in a view with a camera and a mask by the `extent_rule`
  * of the options, in others, and from inside a pipe, by the points on the surface. A fit without a mask may have made an
  * outline of the points, which then serves as the mask. An end that is seen in several views is their mean by their
- * variances; one that is seen in none is the outermost of what they show, by views with a mask if there are any.
+ * variances; one that is seen in none is the outermost of what they show, by views with a mask if there are any. The extent
+ * of another model than the last fit's states no `length_deviation` and no covariances, which are NaN.
  *
  * @param fitter the fitter
  * @param model the model, in the reference frame; NULL = that of the last fit
@@ -3351,7 +3354,8 @@ CYLFUSE_NOEXCEPT;
 
 /**
  * The two limb lines of a cylinder in the image: a u + b v + c = 0 with a^2 + b^2 = 1, in ideal pixels, which
- * are those of a pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image.
+ * are those of a pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image. The cylinder has no
+ * ends here: whether its visible part lies before the camera is not asked.
  *
  * @param model the cylinder in the camera frame
  * @param intrinsics the camera

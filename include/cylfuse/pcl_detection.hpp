@@ -23,7 +23,7 @@ inline namespace with_exceptions {
  *
  * Only points with the indices that were set take part, if there are any. It is looked at from where
  * one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at from all
- * sides, which takes ten times as long and more.
+ * sides, which takes about ten times as long.
  * With setIntrinsics the cloud must be organised and in the frame of that camera: pixel
  * and point go together then, ends are found, and with setImage the limbs are located in the image.
  *

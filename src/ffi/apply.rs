@@ -317,7 +317,8 @@ impl From<&Extent> for cylfuse_extent {
 /// Finds the visible piece of the cylinder and what its ends are: in a view with a camera and a mask by the `extent_rule`
 /// of the options, in others, and from inside a pipe, by the points on the surface. A fit without a mask may have made an
 /// outline of the points, which then serves as the mask. An end that is seen in several views is their mean by their
-/// variances; one that is seen in none is the outermost of what they show, by views with a mask if there are any.
+/// variances; one that is seen in none is the outermost of what they show, by views with a mask if there are any. The extent
+/// of another model than the last fit's states no `length_deviation` and no covariances, which are NaN.
 ///
 /// @param fitter the fitter
 /// @param model the model, in the reference frame; NULL = that of the last fit

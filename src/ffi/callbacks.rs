@@ -19,7 +19,8 @@ pub type cylfuse_progress_fn =
     Option<unsafe extern "C" fn(progress: *const cylfuse_progress, user_data: *mut c_void) -> i32>;
 
 /// Is called with the progress of a detector: before the search, after it, and after each fit, on the thread that
-/// called `cylfuse_detector_detect` or `cylfuse_detector_detect_points`.
+/// called `cylfuse_detector_detect` or `cylfuse_detector_detect_points`. A cloud that was not seen from its origin is
+/// searched from many places, and phase and counts begin again with each.
 ///
 /// It must not throw, unwind or longjmp. Of the functions on the same detector it may only call
 /// `cylfuse_detector_cancel` and `cylfuse_detector_last_error`: all others return BUSY. Other detectors and all fitters

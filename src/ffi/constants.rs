@@ -152,7 +152,7 @@ impl cylfuse_method {
     pub const FUSED: cylfuse_method = cylfuse_method(0);
     /// Points alone by plain least squares; edges are ignored.
     pub const POINTS: cylfuse_method = cylfuse_method(1);
-    /// Random sample consensus over the points, without a final iteration.
+    /// Random sample consensus over the points with local optimisation; no fit to all points follows.
     pub const RANSAC: cylfuse_method = cylfuse_method(2);
     /// Eberly's algebraic fit by the moments of the points, without a final iteration.
     pub const EBERLY: cylfuse_method = cylfuse_method(3);

@@ -46,7 +46,8 @@ pub unsafe extern "C" fn cylfuse_cylinder_distances(
 }
 
 /// The two limb lines of a cylinder in the image: a u + b v + c = 0 with a^2 + b^2 = 1, in ideal pixels, which
-/// are those of a pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image.
+/// are those of a pinhole with the same fx, fy, cx and cy: without distortion the pixels of the image. The cylinder has no
+/// ends here: whether its visible part lies before the camera is not asked.
 ///
 /// @param model the cylinder in the camera frame
 /// @param intrinsics the camera

@@ -227,7 +227,8 @@ pub unsafe extern "C" fn cylfuse_detector_indices(
 
 /// Makes a fitter of one cylinder as its fit left it, with options, frame or points, region as mask, start model and
 /// result: for residuals, completion, limbs and all else that can be asked of a fit, or for another fit. It shares the
-/// images of the frame and does not depend on the detector.
+/// images of the frame and does not depend on the detector. That of a cloud has no mask: completion asks for intrinsics and
+/// one.
 ///
 /// @param detector the detector
 /// @param index the cylinder, from 0

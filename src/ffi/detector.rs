@@ -271,7 +271,7 @@ pub unsafe extern "C" fn cylfuse_detector_detect(
 
 /// Finds all cylinders in a cloud, organised or not, and fits each to its points. It is looked at from where
 /// one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at from all
-/// sides, which takes ten times as long and more. Points with a coordinate that is not finite or a weight of 0 are left
+/// sides, which takes about ten times as long. Points with a coordinate that is not finite or a weight of 0 are left
 /// out. The scene takes the place of the last one.
 ///
 /// @param detector the detector

@@ -52,7 +52,7 @@ impl cylfuse_status {
     pub const NO_DEPTH: cylfuse_status = cylfuse_status(-24);
     /// No start for the iteration could be found.
     pub const NO_START: cylfuse_status = cylfuse_status(-25);
-    /// The limb lines are needed but cannot be formed.
+    /// The camera sees no limbs of the cylinder where they are needed, or nothing that was given meets it.
     pub const EDGE_GEOMETRY: cylfuse_status = cylfuse_status(-26);
     /// The arithmetic left the range of numbers.
     pub const NUMERICAL: cylfuse_status = cylfuse_status(-27);
@@ -82,7 +82,10 @@ pub const STATUSES: &[(cylfuse_status, &CStr)] = &[
     (cylfuse_status::EMPTY_MASK, c"EMPTY_MASK: no pixel of the mask is set"),
     (cylfuse_status::NO_DEPTH, c"NO_DEPTH: no pixel in the region has a usable depth"),
     (cylfuse_status::NO_START, c"NO_START: no start for the iteration could be found"),
-    (cylfuse_status::EDGE_GEOMETRY, c"EDGE_GEOMETRY: the limb lines are needed but cannot be formed"),
+    (
+        cylfuse_status::EDGE_GEOMETRY,
+        c"EDGE_GEOMETRY: the camera sees no limbs of the cylinder, or nothing meets it",
+    ),
     (cylfuse_status::NUMERICAL, c"NUMERICAL: the arithmetic left the range of numbers"),
     (cylfuse_status::CANCELLED, c"CANCELLED: the caller asked to stop"),
     (cylfuse_status::PANIC, c"PANIC: a defect of the library; destroy the handle"),

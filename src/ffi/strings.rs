@@ -18,7 +18,7 @@ const TERMINATIONS: &[(cylfuse_termination, &CStr)] = &[
 ];
 
 const END_STATES: &[(cylfuse_end_state, &CStr)] = &[
-    (cylfuse_end_state::UNKNOWN, c"UNKNOWN: no depth was measured beyond the end"),
+    (cylfuse_end_state::UNKNOWN, c"UNKNOWN: nothing tells what lies beyond the end"),
     (cylfuse_end_state::SEEN, c"SEEN: the surface ends there"),
     (cylfuse_end_state::CUT, c"CUT: the border of the image cuts the cylinder off"),
     (cylfuse_end_state::HIDDEN, c"HIDDEN: something nearer covers what lies beyond"),

@@ -185,15 +185,18 @@ impl<'a> Data<'a> {
             views.iter().for_each(|view| all.add(view.view.cloud.dropped()));
             all
         };
+        // Points pushed as such have neither mask nor range.
+        let of_depth =
+            |left_out: &Dropped| left_out.no_depth + left_out.out_of_range + left_out.outside_mask > 0;
         let edges_alone = edge_weight == 1.0 && start.is_some();
         if usable < LEAST_POINTS && !edges_alone {
-            return Err(Error::TooFewPoints {
-                usable,
-                given,
-                left_out: dropped().in_words(),
-                needed: LEAST_POINTS,
-                remedy: "push more points, or check mask, depth scale and depth range",
-            });
+            let left_out = dropped();
+            let remedy = match of_depth(&left_out) {
+                true => "push more points, or check mask, depth scale and depth range",
+                false => "push more points",
+            };
+            let left_out = left_out.in_words();
+            return Err(Error::TooFewPoints { usable, given, left_out, needed: LEAST_POINTS, remedy });
         }
         let center = Vector3::zeros();
         let covariance = Matrix3::zeros();
@@ -271,7 +274,9 @@ impl<'a> Data<'a> {
         let mut spreads = covariance.symmetric_eigenvalues().map(|value| value.max(0.0).sqrt());
         spreads.as_mut_slice().sort_unstable_by(|a, b| b.total_cmp(a));
         if !(covariance.trace().is_finite() && (origin + mean).iter().all(|x| x.is_finite())) {
-            return Err(Error::Numerical { what: "the spread of the points overflows" });
+            return Err(Error::Numerical {
+                what: "the spread of the points overflows, as a coordinate is near 1e154 or beyond",
+            });
         }
         if spreads[1] <= COLLINEAR * spreads[0] {
             return Err(Error::CollinearPoints { along: spreads[0], across: spreads[1] });

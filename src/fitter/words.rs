@@ -27,7 +27,7 @@ const TEXTS: &[(Flags, &CStr)] = &[
     ),
     (
         Flags::NOT_CONVERGED,
-        c"NOT_CONVERGED: not converged; allow more iterations, which do not help a cylinder that a search found",
+        c"NOT_CONVERGED: the fit did not converge, or there was none and the cylinder is as a search found it",
     ),
     (Flags::HIDDEN_WALL, c"HIDDEN_WALL: most points lie on the wall that the camera cannot see"),
     (Flags::CAMERA_INSIDE, c"CAMERA_INSIDE: the camera is inside the cylinder, which has no limbs then"),

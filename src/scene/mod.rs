@@ -212,7 +212,8 @@ impl Detector {
             Ok(in_moved)
         })?;
         let fits = Fits::new(&self.options, found, size);
-        let scene = self.fit_all(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))?;
+        let scene =
+            self.fit_regions(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))?;
         if scene.cylinders.is_empty() {
             // Nothing confirms the shift.
             depth_moved = [0; 2];
@@ -240,7 +241,7 @@ impl Detector {
 
     /// Finds and fits all cylinders of a cloud, organised or not. It is looked at from where a sensor has seen
     /// it: the origin, where nearly all points lie in front of it and hide none of each other, or where their densities tell. Clouds that
-    /// no single place has seen are looked at from all sides, and from all sides of tiles of them, which takes ten times as long and more.
+    /// no single place has seen are looked at from all sides, and from all sides of tiles of them, which takes about ten times as long.
     /// Points with a coordinate that is not finite or a weight of 0 are left out.
     ///
     /// # Errors
@@ -284,7 +285,7 @@ impl Detector {
             if let Some(seen) = seen.filter(|seen| !seen.cylinders.is_empty()) {
                 let fits = Fits::new(&self.options, seen, size).after(looks.tries());
                 let fit = || {
-                    self.fit_all(fits, observer, |fits, task, share| {
+                    self.fit_regions(fits, observer, |fits, task, share| {
                         fits.of_points(points, &looks, task, share)
                     })
                 };
@@ -323,7 +324,7 @@ impl Detector {
     }
 
     /// Fits every region that the work of a scene reaches, and puts the cylinders into the order of their scores.
-    fn fit_all<'a>(
+    fn fit_regions<'a>(
         &self,
         fits: Fits<'a>,
         observer: &mut Observer<'_>,

@@ -104,6 +104,22 @@ fn points_of_a_cloud_stay_and_have_numbers() {
         );
     }
     assert!(!second.join("overlay.png").exists() && !second.join("labels.png").exists());
+    // The unit of a cloud is not known, so nothing is said to be millimetres.
+    let table = run(["detect", "--points", cloud.to_str().unwrap()]).stdout;
+    assert!(table.contains(" radius ") && !table.contains("mm"), "{table}");
+    let first = |of: &Value| of["cylinders"][0]["cylinder"]["radius"].as_f64().unwrap();
+    assert!(table.contains(&format!("{:.7}", first(&object))), "{table}");
+}
+
+#[test]
+fn no_maximum_is_written_as_zero() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = |most: &str| {
+        let object = detect(&["--no-image", "--max-count", most], &scene(), folder.path());
+        object["cylinders"].as_array().unwrap().len()
+    };
+    assert_eq!(count("1"), 1);
+    assert!(count("0") >= 4);
 }
 
 #[test]

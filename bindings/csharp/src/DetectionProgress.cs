@@ -1,6 +1,7 @@
 namespace Cylfuse
 {
-    /// <summary>How far a detector is: before the search, after it, and after each fit.</summary>
+    /// <summary>How far a detector is: before the search, after it, and after each fit.
+    /// A cloud that is searched from many places begins again with each.</summary>
     public sealed class DetectionProgress
     {
         private readonly NativeDetectionProgress native;

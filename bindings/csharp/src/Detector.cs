@@ -126,7 +126,7 @@ namespace Cylfuse
         /// <summary>Finds all cylinders in a cloud, organised or not, and fits each to its points. Points with a
         /// coordinate that is not finite or a weight of 0 are left out. It is looked at from
         /// where one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked
-        /// at from all sides, which takes ten times as long and more.</summary>
+        /// at from all sides, which takes about ten times as long.</summary>
         /// <param name="points">The points.</param>
         /// <param name="cancellation">Stops the search between its fits.</param>
         /// <returns>The cylinders by falling score.</returns>

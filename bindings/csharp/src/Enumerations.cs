@@ -48,7 +48,7 @@ namespace Cylfuse
         NoDepth = -24,
         /// <summary>No start for the iteration could be found.</summary>
         NoStart = -25,
-        /// <summary>The limb lines are needed but cannot be formed.</summary>
+        /// <summary>The camera sees no limbs of the cylinder, or nothing that was given meets it.</summary>
         EdgeGeometry = -26,
         /// <summary>The arithmetic left the range of numbers.</summary>
         Numerical = -27,

@@ -128,7 +128,7 @@ namespace Cylfuse
     /// <summary>What an end of the visible cylinder is.</summary>
     public enum EndState
     {
-        /// <summary>No depth was measured beyond the end, or no depth image was pushed.</summary>
+        /// <summary>Nothing tells what lies beyond the end: no depth was measured there, or no depth image pushed.</summary>
         Unknown = 0,
         /// <summary>The surface ends there: what lies beyond is farther than the surface would be.</summary>
         Seen = 1,

@@ -38,7 +38,10 @@ export interface Detection {
   extent: Extent | null;
 }
 
-/** How far a detector is: before the search, after it, and after each fit. */
+/**
+ * How far a detector is: before the search, after it, and after each fit. A cloud that is searched from many places begins
+ * again with each.
+ */
 export interface DetectionProgress {
   /** It is about to look for cylinders, or fits those that were found. */
   phase: 'search' | 'fit';
@@ -96,7 +99,7 @@ export class Detector {
   /**
    * Finds all cylinders in a cloud, organised or not, and fits each to its points, on a thread of the pool of Node. The
    * points are copied at once. It is looked at from where one sensor has seen it, in its origin or where the densities of the
-   * points tell; other clouds are looked at from all sides, which takes ten times as long and more.
+   * points tell; other clouds are looked at from all sides, which takes about ten times as long.
    */
   detectPoints(points: Scalars | Points): Promise<Detection[]>;
   /** The same on this thread, without a copy. */

@@ -31,9 +31,9 @@ pub struct DetectArguments {
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     pub out: Option<PathBuf>,
 
-    /// Maximum number of cylinders per frame.
-    #[arg(long, value_name = "N", help_heading = "Search")]
-    pub max_count: Option<usize>,
+    /// Maximum number of cylinders per frame, 0 for no maximum.
+    #[arg(long, value_name = "N", default_value_t = 0, help_heading = "Search")]
+    pub max_count: usize,
 
     /// Minimum score, from 0 to 1: the estimated probability that there is a cylinder [default: 0.5].
     #[arg(long, value_name = "P", allow_hyphen_values = true, help_heading = "Search")]
@@ -57,7 +57,7 @@ impl DetectArguments {
         let defaults = DetectionOptions::default();
         let search = DetectionOptions {
             limits: self.common.limits(),
-            max_count: self.max_count.unwrap_or(defaults.max_count),
+            max_count: if self.max_count == 0 { defaults.max_count } else { self.max_count },
             min_score: self.min_score.unwrap_or(defaults.min_score),
             ..defaults
         };

@@ -92,6 +92,7 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     if !can_write(arguments.out.as_deref(), arguments.common.report.as_deref()) {
         return Ok(true);
     }
+    let metres = arguments.points.is_empty();
     let progress = progress_bar(inputs.len());
     let mut failed = false;
     let mut reports = Vec::new();
@@ -110,10 +111,9 @@ fn fit_all(arguments: &FitArguments) -> io::Result<bool> {
     progress.finish_and_clear();
     written?;
     if !arguments.common.json {
-        print_table(&reports)?;
+        print_table(&reports, metres)?;
     }
     if let Some(path) = &arguments.common.report {
-        let metres = arguments.points.is_empty();
         failed |= complained(page::write_fits(path, &reports, &arguments.common.tolerance, metres));
     }
     Ok(failed)
@@ -134,6 +134,7 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     if !can_write(arguments.out.as_deref(), arguments.common.report.as_deref()) {
         return Ok(true);
     }
+    let metres = arguments.points.is_empty();
     let progress = progress_bar(inputs.len());
     let mut failed = false;
     let mut reports = Vec::new();
@@ -141,8 +142,9 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     let mut take = |report: SceneReport| {
         failed |= matches!(report.outcome, SceneOutcome::Failed { .. });
         if written.is_ok() {
-            written = progress
-                .suspend(|| if arguments.common.json { print_json(&report) } else { print_scene(&report) });
+            let print =
+                || if arguments.common.json { print_json(&report) } else { print_scene(&report, metres) };
+            written = progress.suspend(print);
         }
         if illustrate {
             reports.push(report);
@@ -155,16 +157,15 @@ fn detect_all(arguments: &DetectArguments) -> io::Result<bool> {
     progress.finish_and_clear();
     written?;
     if let Some(path) = &arguments.common.report {
-        let metres = arguments.points.is_empty();
         failed |= complained(page::write_scenes(path, &reports, &arguments.common.tolerance, metres));
     }
     Ok(failed)
 }
 
-fn print_scene(report: &SceneReport) -> io::Result<()> {
+fn print_scene(report: &SceneReport, metres: bool) -> io::Result<()> {
     match &report.outcome {
         SceneOutcome::Searched(scene) => {
-            writeln!(io::stdout(), "{}", table::render_scene(&report.frame, scene))
+            writeln!(io::stdout(), "{}", table::render_scene(&report.frame, scene, metres))
         }
         SceneOutcome::Failed { error } => {
             complain(error);
@@ -177,8 +178,8 @@ fn run_demo(arguments: &DemoArguments) -> io::Result<bool> {
     let folder = arguments.out.display();
     match demo::run(&arguments.out) {
         Ok((report, scene)) => {
-            print_table(&[report])?;
-            print_scene(&scene)?;
+            print_table(&[report], true)?;
+            print_scene(&scene, true)?;
             let contents = demo::CONTENTS;
             writeln!(
                 io::stdout(),
@@ -283,8 +284,8 @@ fn print_json(report: &impl serde::Serialize) -> io::Result<()> {
     writeln!(io::stdout(), "{line}")
 }
 
-fn print_table(reports: &[Report]) -> io::Result<()> {
-    write!(io::stdout(), "{}", table::render(reports))?;
+fn print_table(reports: &[Report], metres: bool) -> io::Result<()> {
+    write!(io::stdout(), "{}", table::render(reports, metres))?;
     for report in reports {
         if let Outcome::Failed { error } = &report.outcome {
             // Most messages start with the path of a file of the frame.

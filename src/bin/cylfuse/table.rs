@@ -1,7 +1,7 @@
 //! The short table for people.
 
 use crate::detect::Scene;
-use crate::report::{Fitted, Measurement, Outcome, Report};
+use crate::report::{Measurement, Outcome, Report};
 use comfy_table::{CellAlignment, LineStyle, Table, TableStyle};
 
 /// Millimetres in a metre: frames are in metres, people read millimetres.
@@ -81,11 +81,14 @@ pub fn plain() -> Table {
     table
 }
 
+/// What is measured, and the columns for it; frames are in `metres`, clouds are not known to be.
+fn columns(metres: bool) -> (&'static str, &'static [Column]) {
+    if metres { ("frame", FRAME_COLUMNS) } else { ("cloud", CLOUD_COLUMNS) }
+}
+
 /// The table, and below it what has to be said about single frames.
-pub fn render(reports: &[Report]) -> String {
-    let is_cloud = |report: &Report| matches!(&report.outcome, Outcome::Measured(measurement) if measurement.view.fitted == Fitted::Cloud);
-    let (name, columns) =
-        if reports.iter().any(is_cloud) { ("cloud", CLOUD_COLUMNS) } else { ("frame", FRAME_COLUMNS) };
+pub fn render(reports: &[Report], metres: bool) -> String {
+    let (name, columns) = columns(metres);
     let mut table = plain();
     let titles = std::iter::once(name).chain(columns.iter().map(|column| column.title));
     table.set_header(titles.collect::<Vec<_>>());
@@ -113,9 +116,9 @@ pub fn render(reports: &[Report]) -> String {
     text
 }
 
-/// The cylinders of one frame, a line each.
-pub fn render_scene(frame: &str, scene: &Scene) -> String {
-    let columns = FRAME_COLUMNS;
+/// The cylinders of one frame or cloud, a line each.
+pub fn render_scene(frame: &str, scene: &Scene, metres: bool) -> String {
+    let (_, columns) = columns(metres);
     let mut table = plain();
     let titles = ["", "score"].into_iter().chain(columns.iter().map(|column| column.title));
     table.set_header(titles.collect::<Vec<_>>());

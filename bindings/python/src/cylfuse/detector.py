@@ -113,7 +113,7 @@ class Detector(Calling):
         """Finds all cylinders in a cloud, N x 3 or rows x columns x 3 of float32 or float64, and fits each to its
         points. Points with a coordinate that is not finite or a weight of 0 are left out. It is looked at from
         where one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at
-        from all sides, which takes ten times as long and more. By falling score; there may be none."""
+        from all sides, which takes about ten times as long. By falling score; there may be none."""
         view = _arrays.points_view(points, weights, normals)
         scene = _Scene(view.array[0].shape[:-1], View(None, Pose()))
         return self._search(scene, lib.cylfuse_detector_detect_points, byref(view))

@@ -187,7 +187,7 @@ class Termination(_Choice):
 class EndState(_Choice):
     """What an end of the visible cylinder is."""
 
-    #: No depth was measured beyond the end, or no depth image was pushed.
+    #: Nothing tells what lies beyond the end: no depth was measured there, or no depth image pushed.
     UNKNOWN = 0
     #: The surface ends there: what lies beyond is farther than the surface would be.
     SEEN = 1

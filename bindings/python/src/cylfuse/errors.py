@@ -130,7 +130,7 @@ class NoStartError(DataError):
 
 
 class EdgeGeometryError(DataError):
-    """The limb lines are needed but cannot be formed."""
+    """The camera sees no limbs of the cylinder, or nothing that was given meets it."""
 
     status = -26
 

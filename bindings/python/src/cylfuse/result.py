@@ -168,7 +168,9 @@ class Progress(Record):
 
 
 class DetectionProgress(Record):
-    """How far a detector is: before the search, after it, and after each fit."""
+    """How far a detector is: before the search, after it, and after each fit.
+
+    A cloud that is searched from many places begins again with each."""
 
     _convert = {"phase": DetectionPhase}
 

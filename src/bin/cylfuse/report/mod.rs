@@ -201,9 +201,13 @@ impl Measurement {
 
 /// A flag in words, with its numbers where the result has some.
 fn explain(flag: Flags, result: &FitResult) -> String {
-    // Of a detector: the fit was left out or dropped, and more iterations would not help.
-    if flag == Flags::NOT_CONVERGED && result.iterations == 0 {
-        return "not fitted: the cylinder is as the search found it".into();
+    if flag == Flags::NOT_CONVERGED {
+        // Of a detector: the fit was left out or dropped, and more iterations would not help.
+        let text = match result.iterations == 0 {
+            true => "not fitted: the cylinder is as the search found it",
+            false => "not converged; allow more iterations",
+        };
+        return text.into();
     }
     let numbers = match flag {
         Flags::POINTS_NOT_FINITE => Some(result.dropped.not_finite.to_string()),
@@ -241,9 +245,10 @@ mod tests {
     fn every_flag_has_words() {
         let mut result = cylfuse_result();
         result.iterations = 1;
-        for flag in Flags::all().iter() {
+        for flag in (Flags::all() - Flags::NOT_CONVERGED).iter() {
             assert!(explain(flag, &result).starts_with(flag.meaning()), "{flag:?}");
         }
+        assert!(explain(Flags::NOT_CONVERGED, &result).starts_with("not converged"));
         result.iterations = 0;
         assert!(explain(Flags::NOT_CONVERGED, &result).starts_with("not fitted"));
     }

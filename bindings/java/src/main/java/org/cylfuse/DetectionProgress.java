@@ -2,6 +2,7 @@ package org.cylfuse;
 
 /**
  * How far a detector is: before the search, after it, and after each fit.
+ * A cloud that is searched from many places begins again with each.
  *
  * @param phase What the detector is doing.
  * @param fitsDone Cylinders that are fitted.

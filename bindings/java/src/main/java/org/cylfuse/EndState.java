@@ -2,7 +2,7 @@ package org.cylfuse;
 
 /** What an end of the visible cylinder is. */
 public enum EndState implements NativeNumber {
-    /** No depth was measured beyond the end, or no depth image was pushed. */
+    /** Nothing tells what lies beyond the end: no depth was measured there, or no depth image pushed. */
     UNKNOWN(0),
     /** The surface ends there: what lies beyond is farther than the surface would be. */
     SEEN(1),

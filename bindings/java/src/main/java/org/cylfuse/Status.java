@@ -51,7 +51,7 @@ public enum Status {
     NO_DEPTH(-24),
     /** No start for the iteration could be found. */
     NO_START(-25),
-    /** The limb lines are needed but cannot be formed. */
+    /** The camera sees no limbs of the cylinder, or nothing that was given meets it. */
     EDGE_GEOMETRY(-26),
     /** The arithmetic left the range of numbers. */
     NUMERICAL(-27),
