@@ -7,12 +7,13 @@ use super::result::{FitResult, Flags, Seconds};
 use super::scales::Scales;
 use super::start::Candidate;
 use super::taper::Taper;
-use super::uncertainty::{DISAGREEMENT, MASK_DISAGREEMENT, Uncertainty};
+use super::uncertainty::{DISAGREEMENT, MASK_DISAGREEMENT, RadiusComparison, Uncertainty};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::noise::LARGEST_DEPTH_NOISE;
-use crate::residuals::Objective;
+use crate::observations::{Dropped, PointCloud};
+use crate::residuals::{NormalEquations, Objective};
 use crate::solver::{Convergence, LeastSquares, Rank, Termination};
 use nalgebra::Vector3;
 
@@ -92,20 +93,11 @@ pub(super) fn describe(
     let squared = data.unit * data.unit;
     let eigenvalues = equations.hessian.symmetric_eigenvalues();
     let count = data.count();
-    let weak = {
-        // As if the weights were the inverse variances and the noise independent.
-        let freedom = count.saturating_sub(data::LEAST_POINTS).max(1) as f64;
-        let variance = equations.hessian.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(4, 4)]);
-        let deviation = data.unit * (equations.cost * variance / freedom).sqrt();
-        !data.has_fixed_radius() && !(deviation <= WEAK_RADIUS * cylinder.radius)
-    };
-    let scale_held = held.edge_weight == 1.0 && !data.has_fixed_radius();
-    let limits = &data.options.cylinder_limits;
     let walls = data.near_wall().then(|| data.walls(cylinder));
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
-    let mut dropped = crate::observations::Dropped::default();
+    let mut dropped = Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let resolution = clouds().map(crate::observations::PointCloud::resolution).fold(0.0, f64::max);
+    let resolution = clouds().map(PointCloud::resolution).fold(0.0, f64::max);
     let coarse = resolution > COARSE * cylinder.radius;
     // Where the noise is below the steps of the coordinates, what is left of the points is rounding, which is no noise.
     let (uncertainty, radii, shift) = match coarse && resolution > scales.all {
@@ -114,40 +106,34 @@ pub(super) fn describe(
     };
     // A mask is a hint: the radius by its sides is none by limbs.
     let (radii, by_sides) = if held.has_limbs() { (radii, None) } else { (None, radii) };
-    let mut flags = held.flags;
-    flags.set(Flags::SCALE_HELD, scale_held);
-    let unknown = hides_radius(uncertainty.as_ref(), cylinder);
-    flags.set(Flags::WEAK_RADIUS, weak || scale_held || unknown);
-    flags.set(Flags::RESOLUTION_LOST, coarse);
-    flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
-    flags.set(Flags::CAMERA_INSIDE, data.observer_inside(cylinder));
-    flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
-    flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
-    flags |= data.contradicted(&frame, scales, &objective);
-    flags.set(Flags::POINTS_NOT_FINITE, dropped.not_finite > 0);
-    flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
-    if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, held, cylinder) {
-        flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
-    }
-    flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
-    let poor = scales.all > largest_scale(data, cylinder) || data.is_misfit(&frame, scales);
-    flags.set(Flags::POOR_FIT, count > 0 && poor);
-    let contests = by_sides.is_some_and(|radii| radii.disagree(MASK_DISAGREEMENT))
-        && data.views.iter().any(|view| view.view.mask_is_drawn());
-    if contests || data.mask_holds_another(cylinder, scales) {
-        flags |= Flags::MASK_DISAGREES;
-    }
-    if let Some(stated) = &uncertainty {
-        flags |= data.masks_against(held, cylinder, scales, stated.radius());
-    }
     let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
     let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
-    if taper.is_some_and(Taper::is_wrong) {
-        flags |= Flags::BODY_TAPERS;
+    let scale_held = held.edge_weight == 1.0 && !data.has_fixed_radius();
+    let weak =
+        scale_held || is_weak(data, &equations, cylinder) || hides_radius(uncertainty.as_ref(), cylinder);
+    let mut flags = held.flags | data.contradicted(&frame, scales, &objective);
+    flags |= warnings_of_points(data, cylinder, &frame, scales);
+    flags |= warnings_of_masks(data, held, cylinder, scales, (uncertainty.as_ref(), by_sides));
+    let disagree =
+        radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, held, cylinder);
+    for (flag, holds) in [
+        (Flags::SCALE_HELD, scale_held),
+        (Flags::WEAK_RADIUS, weak),
+        (Flags::RESOLUTION_LOST, coarse),
+        (Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5)),
+        (Flags::POINTS_NOT_FINITE, dropped.not_finite > 0),
+        (Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none()),
+        (Flags::POINTS_AND_LIMBS_DISAGREE, disagree),
+        (Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong())),
+        (Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong)),
+    ] {
+        if holds {
+            flags |= flag;
+        }
     }
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);
-    let gradient_norm = limits.free_gradient(&frame, &equations.gradient).norm();
+    let gradient_norm = data.options.cylinder_limits.free_gradient(&frame, &equations.gradient).norm();
     if !gradient_norm.is_finite() {
         return Err(Error::Numerical { what: "the gradient at the cylinder" });
     }
@@ -171,7 +157,7 @@ pub(super) fn describe(
         energy_edges: energy_of_edges(data, held, cylinder),
         edge_weight: data.options.has_edge_weight().then_some(held.edge_weight),
         points_used: count,
-        points_given: clouds().map(crate::observations::PointCloud::given).sum(),
+        points_given: clouds().map(PointCloud::given).sum(),
         dropped,
         segments_used: held.segments_used(),
         segments_given: data.views.iter().map(|view| view.view.segments.len()).sum(),
@@ -188,6 +174,44 @@ pub(super) fn describe(
         flags,
         seconds: Seconds::default(),
     })
+}
+
+/// Whether the points hardly determine the radius, as if the weights were the inverse variances and the noise independent.
+fn is_weak(data: &Data<'_>, equations: &NormalEquations, cylinder: &Cylinder) -> bool {
+    let freedom = data.count().saturating_sub(data::LEAST_POINTS).max(1) as f64;
+    let variance = equations.hessian.try_inverse().map_or(f64::INFINITY, |inverse| inverse[(4, 4)]);
+    let deviation = data.unit * (equations.cost * variance / freedom).sqrt();
+    !data.has_fixed_radius() && !(deviation <= WEAK_RADIUS * cylinder.radius)
+}
+
+/// Warnings about where cylinder and points lie.
+fn warnings_of_points(data: &Data<'_>, cylinder: &Cylinder, frame: &LocalFrame, scales: &Scales) -> Flags {
+    let limits = &data.options.cylinder_limits;
+    let mut flags = Flags::empty();
+    flags.set(Flags::CAMERA_INSIDE, data.observer_inside(cylinder));
+    flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
+    flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
+    let poor = scales.all > largest_scale(data, cylinder) || data.is_misfit(frame, scales);
+    flags.set(Flags::POOR_FIT, data.count() > 0 && poor);
+    flags
+}
+
+/// Warnings about masks, by what is stated of the cylinder and the radii by their sides and by points.
+fn warnings_of_masks(
+    data: &Data<'_>,
+    held: &Held,
+    cylinder: &Cylinder,
+    scales: &Scales,
+    (stated, by_sides): (Option<&Uncertainty>, Option<RadiusComparison>),
+) -> Flags {
+    let contested = by_sides.is_some_and(|radii| radii.disagree(MASK_DISAGREEMENT))
+        && data.views.iter().any(|view| view.view.mask_is_drawn());
+    let mut flags = Flags::empty();
+    flags.set(Flags::MASK_DISAGREES, contested || data.mask_holds_another(cylinder, scales));
+    if let Some(stated) = stated {
+        flags |= data.masks_against(held, cylinder, scales, stated.radius());
+    }
+    flags
 }
 
 /// Whether a line that an image shows for a limb is not where the cylinder has one, by more than its error and a pixel of the drawing:
