@@ -33,6 +33,20 @@ results_of_c() {
     "$conformance/test.sh" >&2
 }
 
+# Makes CYLFUSE_WITHOUT_EXTENTS, which is the native library, but that no detection has an extent.
+library_without_extents() {
+    local soname
+    soname=$(readelf -d "$CYLFUSE_LIBRARY" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')
+    mkdir -p "$build/without_extents"
+    ln -sf "$CYLFUSE_LIBRARY" "$build/without_extents/${soname:=libcylfuse.so}"
+    export CYLFUSE_WITHOUT_EXTENTS=$build/without_extents/without_extents.so
+    cc -shared -fPIC -x c - -x none -o "$CYLFUSE_WITHOUT_EXTENTS" -Wl,--no-as-needed "$build/without_extents/$soname" \
+        -Wl,-rpath,"$build/without_extents" <<'C'
+int cylfuse_detector_get_extent(void *detector, unsigned long index, void *extent) { return -26; }
+const char *cylfuse_detector_last_error(void *detector) { return "EDGE_GEOMETRY: made up"; }
+C
+}
+
 # golden_cases RESULTS SOURCE...: compares the results of the golden cases with the bits of C in the same job, and checks
 # that the sources name every function of the C interface.
 golden_cases() {

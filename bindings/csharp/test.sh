@@ -45,6 +45,7 @@ fi
 
 echo 'unsigned cylfuse_abi_version(void) { return 2; }' | cc -shared -fPIC -x c - -o "$build/other_abi.so"
 export CYLFUSE_OTHER_ABI=$build/other_abi.so
+library_without_extents
 compile -r:System.dll -out:"$build/tests.exe" "$here"/tests/*.cs
 counted Tests mono "$build/tests.exe"
 

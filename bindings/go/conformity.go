@@ -47,3 +47,8 @@ func (tolerance Tolerance) Decide(value, deviation float64, flags Flags) (Confor
 func (result *Result) RadiusConforms(tolerance Tolerance) (Conformity, error) {
 	return tolerance.Decide(result.Cylinder.Radius, result.RadiusDeviation, result.Flags)
 }
+
+// DiameterConforms says the same of the diameter, with limits of the diameter.
+func (result *Result) DiameterConforms(tolerance Tolerance) (Conformity, error) {
+	return tolerance.Decide(2*result.Cylinder.Radius, 2*result.RadiusDeviation, result.Flags)
+}

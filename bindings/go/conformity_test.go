@@ -56,6 +56,13 @@ func TestAResultIsJudgedAndAFitterCloned(t *testing.T) {
 		if err != nil || got != want {
 			t.Error(width, got, err)
 		}
+		got, err = result.DiameterConforms(Tolerance{Lower: 2 * (radius - width*deviation), Upper: 2 * (radius + width*deviation)})
+		if err != nil || got != want {
+			t.Error("diameter", width, got, err)
+		}
+	}
+	if got, err := result.DiameterConforms(Tolerance{Upper: radius}); err != nil || got != NotConforming {
+		t.Error(got, err)
 	}
 
 	must(t, fitter.SetProgress(func(Progress) bool { return false }))

@@ -110,6 +110,8 @@ type Detection struct {
 	Result Result
 	// Extent is its visible piece; that of a cylinder of a cloud ends with its points. It is nil where there is none.
 	Extent *Extent
+	// ExtentError says why there is no Extent; nil where there is one.
+	ExtentError error
 }
 
 // Labels is an image of the numbers of cylinders.
@@ -345,6 +347,8 @@ func (detection *Detection) read(handle *C.cylfuse_detector, index C.size_t) C.c
 		detection.Extent = &seen
 	case C.CYLFUSE_STATUS_BUSY:
 		return status
+	default:
+		detection.ExtentError = &Error{Status(status), C.GoString(C.cylfuse_detector_last_error(handle))}
 	}
 	return C.CYLFUSE_STATUS_OK
 }
@@ -397,6 +401,10 @@ func (detector *Detector) Indices(index int) ([]uint32, error) {
 	if index < 0 {
 		return nil, shapeError("cylinder %d: cylinders count from 0", index)
 	}
+	if !detector.last.TryRLock() {
+		return nil, busy()
+	}
+	defer detector.last.RUnlock()
 	var indices []uint32
 	err := detector.call(func(handle *C.cylfuse_detector) C.cylfuse_status {
 		return list(&indices, 0, func(out *uint32, capacity C.size_t, count *C.size_t) C.cylfuse_status {

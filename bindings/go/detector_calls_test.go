@@ -2,11 +2,57 @@ package cylfuse
 
 import (
 	"errors"
+	"os"
+	"os/exec"
 	"runtime"
 	"strings"
 	"sync"
 	"testing"
 )
+
+func TestASearchIsNotReadBeforeItsEnd(t *testing.T) {
+	detector := newDetector(t)
+	_, err := detector.Detect(pairFrame(t, true))
+	must(t, err)
+	detector.last.Lock() // As a search does.
+	for name, call := range map[string]func() error{
+		"detections": func() error { _, err := detector.Detections(); return err },
+		"labels":     func() error { _, err := detector.Labels(); return err },
+		"indices":    func() error { _, err := detector.Indices(1); return err },
+		"fitter":     func() error { _, err := detector.Fitter(1); return err },
+	} {
+		if err := call(); !errors.Is(err, StatusBusy) {
+			t.Errorf("%s: %v", name, err)
+		}
+	}
+	detector.last.Unlock()
+	indices, err := detector.Indices(1)
+	if err != nil || len(indices) == 0 {
+		t.Error(indices, err)
+	}
+}
+
+// TestAMissingExtentHasItsReason runs itself again with a library that finds no extents, which test.sh makes.
+func TestAMissingExtentHasItsReason(t *testing.T) {
+	library := os.Getenv("CYLFUSE_WITHOUT_EXTENTS")
+	if library == "" {
+		t.Skip("CYLFUSE_WITHOUT_EXTENTS is not set: test.sh makes that library")
+	}
+	if os.Getenv("LD_PRELOAD") != library {
+		again := exec.Command(os.Args[0], "-test.run=^TestAMissingExtentHasItsReason$")
+		again.Env = append(os.Environ(), "LD_PRELOAD="+library)
+		if printed, err := again.CombinedOutput(); err != nil {
+			t.Errorf("%v: %s", err, printed)
+		}
+		return
+	}
+	found, err := newDetector(t).Detect(pairFrame(t, true))
+	must(t, err)
+	if len(found) != 2 || found[0].Extent != nil || found[1].Extent != nil {
+		t.Fatalf("%+v", found)
+	}
+	wantStatus(t, found[1].ExtentError, StatusEdgeGeometry, "EDGE_GEOMETRY: made up")
+}
 
 func TestThreadsOfADetector(t *testing.T) {
 	frame := pairFrame(t, true)

@@ -16,6 +16,7 @@ unformatted=$(gofmt -l .)
 ./package.sh "$(dirname "$CYLFUSE_LIBRARY")/libcylfuse.a" "$build/module"
 
 export CGO_LDFLAGS="-L$build/lib -Wl,-rpath,$build/lib" GOFLAGS=-tags=cylfuse_system
+library_without_extents
 export CYLFUSE_GO_MODULE=$build/module CYLFUSE_CONFORMANCE_OUTPUT=$build/results.txt
 go vet ./... || failed=1
 # tests OPTION...: runs tests, and sums up what they print.

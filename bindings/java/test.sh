@@ -21,6 +21,7 @@ mkdir -p "$native"
 strip --strip-debug -o "$native/libcylfuse.so" "$CYLFUSE_LIBRARY"
 echo 'unsigned cylfuse_abi_version(void) { return 2; }' | cc -shared -fPIC -x c - -o "$build/other_abi.so"
 export CYLFUSE_OTHER_ABI=$build/other_abi.so
+library_without_extents
 # What Debian has installed, in the versions that it has.
 cp -rs /usr/share/maven-repo "$build/packages"
 maven() {

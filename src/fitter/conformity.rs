@@ -110,6 +110,15 @@ impl FitResult {
         let deviation = self.uncertainty.as_ref().map(super::Uncertainty::radius);
         tolerance.decide(self.cylinder.radius, deviation, self.flags)
     }
+
+    /// The same for the diameter, with limits of the diameter.
+    ///
+    /// # Errors
+    /// See [`Tolerance::decide`].
+    pub fn diameter_conforms(&self, tolerance: &Tolerance) -> Result<Conformity> {
+        let deviation = self.uncertainty.as_ref().map(|uncertainty| 2.0 * uncertainty.radius());
+        tolerance.decide(2.0 * self.cylinder.radius, deviation, self.flags)
+    }
 }
 
 #[cfg(test)]
@@ -188,11 +197,17 @@ mod tests {
         {
             let tolerance = Tolerance::new(radius - below * deviation, radius + above * deviation).unwrap();
             assert_eq!(result.radius_conforms(&tolerance), Ok(expected), "{below} {above}");
+            let doubled =
+                Tolerance::new(2.0 * (radius - below * deviation), 2.0 * (radius + above * deviation))
+                    .unwrap();
+            assert_eq!(result.diameter_conforms(&doubled), Ok(expected), "{below} {above}");
         }
         // One of its warnings suffices.
         let doubtful = FitResult { flags: Flags::UNDECIDED, ..result };
         let tolerance = Tolerance::new(0.9 * radius, 1.1 * radius).unwrap();
         assert_eq!(doubtful.radius_conforms(&tolerance), Ok(Undecided));
+        let doubled = Tolerance::new(1.8 * radius, 2.2 * radius).unwrap();
+        assert_eq!(doubtful.diameter_conforms(&doubled), Ok(Undecided));
     }
 
     #[test]

@@ -29,8 +29,18 @@ namespace Cylfuse
         /// <summary>The native fitter, frame or detector.</summary>
         internal IntPtr Pointer { get; }
 
-        /// <summary>Stops a fit or a search.</summary>
-        internal CancellationToken Token { get; set; }
+        /// <summary>Stops a fit or a search: the progress callbacks ask it.</summary>
+        internal CancellationToken Token { get; private set; }
+
+        /// <summary>Lets a token stop the call until what is returned is disposed. A cancellation that comes before the
+        /// library is in the call stops nothing there; the first progress callback sees it. Disposal waits for a
+        /// cancellation that is under way, so that it meets no later call.</summary>
+        internal CancellationTokenRegistration StopBy(CancellationToken token, NativeFunctions.HandleFunction cancel)
+        {
+            Token = token;
+            // Not by the owner, which may have been disposed during the call: the call still holds the native object.
+            return token.Register(() => cancel(Pointer));
+        }
 
         /// <summary>Whether a callback has thrown.</summary>
         internal bool CallbackFailed => callbackFailure != null;
@@ -40,8 +50,11 @@ namespace Cylfuse
         {
             if (callbackFailure?.SourceException is ThreadAbortException) Thread.CurrentThread.Abort();
             callbackFailure?.Throw();
-            if (status != 0) throw Native.Failure(status, handle.LastError(Pointer));
+            if (status != 0) throw Failure(status);
         }
+
+        /// <summary>The failure of the call with its message.</summary>
+        internal CylfuseException Failure(int status) => Native.Failure(status, handle.LastError(Pointer));
 
         /// <summary>Keeps what a callback throws for the end of the call: nothing may pass through the library. An
         /// abortion of the thread would by itself.</summary>

@@ -13,15 +13,20 @@ namespace Cylfuse
         /// cref="Detector.MakeFitter"/>.</summary>
         public FitResult Result { get; }
 
-        /// <summary>Its visible piece; that of a cylinder of a cloud ends with its points; null where there is none.</summary>
+        /// <summary>Its visible piece; that of a cylinder of a cloud ends with its points; null where there is
+        /// none.</summary>
         public Extent Extent { get; }
 
-        internal Detection(NativeDetection native, FitResult result, Extent extent)
+        /// <summary>Why there is no <see cref="Extent"/>; null where there is one.</summary>
+        public CylfuseException ExtentError { get; }
+
+        internal Detection(NativeDetection native, FitResult result, Extent extent, CylfuseException extentError)
         {
             Score = native.score;
             Pixels = (long)native.pixels;
             Result = result;
             Extent = extent;
+            ExtentError = extentError;
         }
     }
 }

@@ -106,7 +106,7 @@ namespace Cylfuse
         /// in the reference frame to which the pose of the frame leads.</summary>
         /// <param name="frame">The frame, with intrinsics and a depth image. The images are shared and not copied; it
         /// may be changed or disposed afterwards, of which the detector sees nothing.</param>
-        /// <param name="cancellation">Stops the search between its fits.</param>
+        /// <param name="cancellation">Stops the search.</param>
         /// <returns>The cylinders by falling score.</returns>
         /// <exception cref="CylfuseException">BadState without intrinsics or depth, Unsupported for options of the fits
         /// that need edges, Cancelled; the last scene stays then.</exception>
@@ -128,7 +128,7 @@ namespace Cylfuse
         /// where one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked
         /// at from all sides, which takes about ten times as long.</summary>
         /// <param name="points">The points.</param>
-        /// <param name="cancellation">Stops the search between its fits.</param>
+        /// <param name="cancellation">Stops the search.</param>
         /// <returns>The cylinders by falling score.</returns>
         /// <exception cref="CylfuseException">InvalidArgument for a negative weight, Unsupported for options of the fits
         /// that need edges, Cancelled; the last scene stays then.</exception>
@@ -249,9 +249,9 @@ namespace Cylfuse
             {
                 using (Call call = Enter())
                 {
-                    call.Token = cancellation;
                     if (cancellation.CanBeCanceled && !progressInstalled) InstallProgress(call, true);
-                    int status = search(call.Pointer);
+                    int status;
+                    using (call.StopBy(cancellation, Native.Functions.DetectorCancel)) status = search(call.Pointer);
                     if (status == (int)Status.Cancelled && !call.CallbackFailed) cancellation.ThrowIfCancellationRequested();
                     call.Check(status);
                 }
@@ -291,9 +291,11 @@ namespace Cylfuse
                     Native.Check(Native.Functions.ExtentInit(&extent, (UIntPtr)sizeof(NativeExtent)));
                     call.Check(Native.Functions.DetectorGetResult(call.Pointer, (UIntPtr)index, &result));
                     call.Check(Native.Functions.DetectorGetCylinder(call.Pointer, (UIntPtr)index, &estimate));
-                    bool seen = Native.Functions.DetectorGetExtent(call.Pointer, (UIntPtr)index, &extent) == 0;
+                    int status = Native.Functions.DetectorGetExtent(call.Pointer, (UIntPtr)index, &extent);
+                    CylfuseException error = status == 0 ? null : call.Failure(status);
+                    if (error?.Status == Status.Busy) throw error;
                     detections[index] = new Detection(found[index], new FitResult(result, estimate),
-                        seen ? new Extent(extent) : null);
+                        error == null ? new Extent(extent) : null, error);
                 }
                 return detections;
             }

@@ -37,6 +37,14 @@ namespace Cylfuse
             return tolerance.Decide(Model.Radius, RadiusDeviation, Flags);
         }
 
+        /// <summary>The same for the diameter, with limits of the diameter.</summary>
+        /// <exception cref="CylfuseException">Limits that are none (InvalidArgument).</exception>
+        public Conformity DiameterConforms(Tolerance tolerance)
+        {
+            if (tolerance == null) throw new System.ArgumentNullException(nameof(tolerance));
+            return tolerance.Decide(2.0 * Model.Radius, 2.0 * RadiusDeviation, Flags);
+        }
+
         /// <summary>Why the iteration ended.</summary>
         public Termination Termination => (Termination)native.termination;
 

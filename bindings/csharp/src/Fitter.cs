@@ -233,7 +233,7 @@ namespace Cylfuse
 
         /// <summary>Estimates the cylinder from everything that was pushed into all views. Lack of convergence and
         /// other warnings are not errors but properties of the result.</summary>
-        /// <param name="cancellation">Stops the fit before its next iteration.</param>
+        /// <param name="cancellation">Stops the fit.</param>
         /// <exception cref="UnusableDataException">The data do not determine a cylinder; the last result
         /// stays.</exception>
         /// <exception cref="CylfuseException">Unsupported, BadState: the data do not go with the options;
@@ -247,9 +247,10 @@ namespace Cylfuse
             Prepare(&result, &estimate);
             using (Call call = Enter())
             {
-                call.Token = cancellation;
                 if (cancellation.CanBeCanceled && !progressInstalled) InstallProgress(call, true);
-                int status = Native.Functions.FitterFit(call.Pointer, &result, &estimate);
+                int status;
+                using (call.StopBy(cancellation, Native.Functions.FitterCancel))
+                    status = Native.Functions.FitterFit(call.Pointer, &result, &estimate);
                 if (status == (int)Status.Cancelled && !call.CallbackFailed) cancellation.ThrowIfCancellationRequested();
                 call.Check(status);
             }

@@ -19,15 +19,17 @@ namespace Cylfuse
             using (Call call = Enter())
             {
                 NativeCylinder* modelOrNull = Cylinder.Write(model, &cylinder);
-                int status = Native.Functions.FitterResiduals(call.Pointer, modelOrNull, (int)kind, null, UIntPtr.Zero,
-                    out UIntPtr count);
-                if (status != (int)Status.BufferTooSmall) call.Check(status);
-                var residuals = new double[(long)count];
-                fixed (double* buffer = residuals)
+                double[] residuals = null;
+                int length = Fill(call, (UIntPtr capacity, out UIntPtr count) =>
                 {
-                    call.Check(Native.Functions.FitterResiduals(call.Pointer,
-                        modelOrNull, (int)kind, buffer, count, out count));
-                }
+                    residuals = new double[(long)capacity];
+                    fixed (double* buffer = residuals)
+                    {
+                        return Native.Functions.FitterResiduals(call.Pointer, modelOrNull, (int)kind, buffer, capacity,
+                            out count);
+                    }
+                });
+                Array.Resize(ref residuals, length);
                 return residuals;
             }
         }
@@ -76,16 +78,20 @@ namespace Cylfuse
         {
             using (Call call = Enter())
             {
-                int status = Native.Functions.FitterPointWeights(call.Pointer,
-                    null, null, UIntPtr.Zero, out UIntPtr count);
-                if (status != (int)Status.BufferTooSmall) call.Check(status);
-                var weights = new double[(long)count];
-                var inliers = new byte[(long)count];
-                fixed (double* weight = weights)
-                fixed (byte* inlier = inliers)
+                double[] weights = null;
+                byte[] inliers = null;
+                int length = Fill(call, (UIntPtr capacity, out UIntPtr count) =>
                 {
-                    call.Check(Native.Functions.FitterPointWeights(call.Pointer, weight, inlier, count, out count));
-                }
+                    weights = new double[(long)capacity];
+                    inliers = new byte[(long)capacity];
+                    fixed (double* weight = weights)
+                    fixed (byte* inlier = inliers)
+                    {
+                        return Native.Functions.FitterPointWeights(call.Pointer, weight, inlier, capacity, out count);
+                    }
+                });
+                Array.Resize(ref weights, length);
+                Array.Resize(ref inliers, length);
                 return new PointWeights(weights, Array.ConvertAll(inliers, inlier => inlier != 0));
             }
         }
@@ -100,12 +106,16 @@ namespace Cylfuse
             using (Call call = Enter())
             {
                 NativeCylinder* modelOrNull = Cylinder.Write(model, &cylinder);
-                int status = Native.Functions.FitterPointParts(call.Pointer, modelOrNull, null, UIntPtr.Zero,
-                    out UIntPtr count);
-                if (status != (int)Status.BufferTooSmall) call.Check(status);
-                var parts = new Part[(long)count];
-                fixed (Part* buffer = parts)
-                    call.Check(Native.Functions.FitterPointParts(call.Pointer, modelOrNull, buffer, count, out count));
+                Part[] parts = null;
+                int length = Fill(call, (UIntPtr capacity, out UIntPtr count) =>
+                {
+                    parts = new Part[(long)capacity];
+                    fixed (Part* buffer = parts)
+                    {
+                        return Native.Functions.FitterPointParts(call.Pointer, modelOrNull, buffer, capacity, out count);
+                    }
+                });
+                Array.Resize(ref parts, length);
                 return parts;
             }
         }
@@ -233,19 +243,31 @@ namespace Cylfuse
             }
         }
 
-        /// <summary>Asks for the number of elements and then for the elements.</summary>
+        private delegate int Filling(UIntPtr capacity, out UIntPtr count);
+
+        /// <summary>Asks for the number of elements and then for the elements, again where another thread has added some
+        /// meanwhile; says how many there are, which may have become fewer.</summary>
+        private static int Fill(Call call, Filling fill)
+        {
+            int status = fill(UIntPtr.Zero, out UIntPtr count);
+            while (status == (int)Status.BufferTooSmall) status = fill(count, out count);
+            call.Check(status);
+            return (int)count;
+        }
+
         private unsafe T[] List<T>(NativeFunctions.ListFunction function, int elementSize) where T : struct
         {
             using (Call call = Enter())
             {
                 var size = (UIntPtr)elementSize;
-                int status = function(call.Pointer, null, size, UIntPtr.Zero, out UIntPtr count);
-                if (status != (int)Status.BufferTooSmall) call.Check(status);
-                var elements = new T[(long)count];
-                using (var pins = new Pins())
+                T[] elements = null;
+                int length = Fill(call, (UIntPtr capacity, out UIntPtr count) =>
                 {
-                    call.Check(function(call.Pointer, (void*)pins.Add(elements), size, count, out count));
-                }
+                    elements = new T[(long)capacity];
+                    using (var pins = new Pins())
+                        return function(call.Pointer, (void*)pins.Add(elements), size, capacity, out count);
+                });
+                Array.Resize(ref elements, length);
                 return elements;
             }
         }

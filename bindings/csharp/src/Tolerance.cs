@@ -22,7 +22,7 @@ namespace Cylfuse
 
         /// <summary>Decides by the rule of ISO 14253-1 whether a length conforms: only where the value with <see
         /// cref="Coverage"/> deviations on either side lies within the limits, and not only where it lies outside. <see
-        /// cref="FitResult.RadiusConforms"/> asks for the radius of a fit.</summary>
+        /// cref="FitResult.RadiusConforms"/> and <see cref="FitResult.DiameterConforms"/> ask for those of a fit.</summary>
         /// <param name="value">The value.</param>
         /// <param name="deviation">Its standard deviation; NaN, and 0 as of a radius that the limits of the fit fix, decide
         /// nothing. A wrong scale of the depth and wrong intrinsics are in none.</param>

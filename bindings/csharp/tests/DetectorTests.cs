@@ -1,5 +1,6 @@
 using System;
 using System.Collections.Generic;
+using System.Diagnostics;
 using System.Linq;
 using System.Threading;
 using System.Threading.Tasks;
@@ -59,17 +60,9 @@ namespace Cylfuse.Tests
 
         public static void ASearchThatWasCutShortSaysSo()
         {
-            // Bumps in both directions, 12 pixels apart: more to look at than a search may.
-            var bumps = new float[480, 640];
-            for (int row = 0; row < 480; row++)
-                for (int column = 0; column < 640; column++)
-                    bumps[row, column] =
-                        (float)(1 + 1.2 / 525 * Math.Sin(Math.PI / 6 * column) * Math.Sin(Math.PI / 6 * row));
             using (var detector = new Detector())
-            using (Frame frame = new Frame { Intrinsics = new Intrinsics(640, 480, 525, 525, 319.5, 239.5) },
-                pair = Pair.Frame())
+            using (Frame frame = Bumps(), pair = Pair.Frame())
             {
-                frame.SetDepth(DepthImage.From(bumps, 1));
                 Check.Fails(Status.BadState, () => { bool _ = detector.IsComplete; }, "search a frame or points first");
                 detector.Detect(frame);
                 Check.That(!detector.IsComplete, "cut short");
@@ -87,7 +80,7 @@ namespace Cylfuse.Tests
                 Detection[] found = detector.Detect(frame);
                 CheckScene(detector, found, 0.01);
                 Check.Equal(2, found[0].Result.LimbsLocated);
-                Check.That(found.All(one => one.Extent != null), "extents");
+                Check.That(found.All(one => one.Extent != null && one.ExtentError == null), "extents");
                 Same(found, detector.Detections());
 
                 // The image is not looked at: as if there were none.
@@ -282,6 +275,80 @@ namespace Cylfuse.Tests
                 detector.Cancel();
                 Same(found, detector.Detect(frame, new CancellationTokenSource().Token));
             }
+        }
+
+        /// <summary>Bumps in both directions, 12 pixels apart: more to look at than a search may.</summary>
+        private static Frame Bumps()
+        {
+            var bumps = new float[480, 640];
+            for (int row = 0; row < 480; row++)
+                for (int column = 0; column < 640; column++)
+                    bumps[row, column] =
+                        (float)(1 + 1.2 / 525 * Math.Sin(Math.PI / 6 * column) * Math.Sin(Math.PI / 6 * row));
+            var frame = new Frame { Intrinsics = new Intrinsics(640, 480, 525, 525, 319.5, 239.5) };
+            frame.SetDepth(DepthImage.From(bumps, 1));
+            return frame;
+        }
+
+        public static void ATokenStopsASearchBetweenItsReports()
+        {
+            using (var detector = new Detector())
+            using (Frame frame = Bumps())
+            {
+                var reports = new List<TimeSpan>();
+                var time = Stopwatch.StartNew();
+                detector.SetProgress(state => { reports.Add(time.Elapsed); return true; });
+                detector.Detect(frame);
+                TimeSpan quiet = reports[1] - reports[0];
+
+                foreach (bool here in new[] { true, false })
+                    using (var source = new CancellationTokenSource())
+                    {
+                        reports.Clear();
+                        detector.SetProgress(state =>
+                        {
+                            reports.Add(time.Elapsed);
+                            // The callback asked the token before.
+                            if (here) source.Cancel();
+                            else source.CancelAfter(1);
+                            return true;
+                        });
+                        Check.Throws<OperationCanceledException>(() => detector.Detect(frame, source.Token), "");
+                        Check.Equal(1, reports.Count, "reports");
+                        TimeSpan taken = time.Elapsed - reports[0];
+                        Check.That(taken.Ticks < quiet.Ticks / 2, $"stopped after {taken}, reports are {quiet} apart");
+                    }
+            }
+        }
+
+        public static void ADetectorThatIsDisposedMeanwhileIsStoppedByItsToken()
+        {
+            var detector = new Detector();
+            using (Frame frame = Pair.Frame())
+            using (var source = new CancellationTokenSource())
+            {
+                detector.SetProgress(state => { detector.Dispose(); source.Cancel(); return true; });
+                Check.Throws<OperationCanceledException>(() => detector.Detect(frame, source.Token), "");
+                Check.Throws<ObjectDisposedException>(() => detector.Detect(frame), "Detector");
+            }
+        }
+
+        /// <summary>test.sh makes a library that finds no extents.</summary>
+        public static void AMissingExtentHasItsReason() =>
+            Check.Equal("2 EdgeGeometry EDGE_GEOMETRY: made up\n", LoadingTests.Run(
+                Environment.GetEnvironmentVariable("CYLFUSE_WITHOUT_EXTENTS"), nameof(PrintMissingExtents)));
+
+        /// <summary>In the other process.</summary>
+        internal static int PrintMissingExtents()
+        {
+            using (var detector = new Detector())
+            using (Frame frame = Pair.Frame())
+            {
+                Detection[] found = detector.Detect(frame);
+                CylfuseException error = found[1].ExtentError;
+                Console.WriteLine($"{found.Count(one => one.Extent == null)} {error.Status} {error.Message}");
+            }
+            return 0;
         }
 
         public static void ASearchInAnotherThread()

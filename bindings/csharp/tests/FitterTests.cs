@@ -2,6 +2,7 @@ using System;
 using System.Collections.Generic;
 using System.Linq;
 using System.Threading;
+using System.Threading.Tasks;
 
 namespace Cylfuse.Tests
 {
@@ -334,6 +335,56 @@ namespace Cylfuse.Tests
                 fitter.SetProgress(null);
                 Check.Throws<OperationCanceledException>(() => fitter.Fit(source.Token), "");
                 fitter.Fit();
+            }
+        }
+
+        public static void ATokenThatComesLateStopsNoOtherCall()
+        {
+            using (Fitter fitter = Scene.Loaded())
+            using (var started = new AutoResetEvent(false))
+            {
+                int stopped = 0;
+                for (int round = 0; round < 50; round++)
+                {
+                    using (var source = new CancellationTokenSource())
+                    {
+                        int turns = 2000 * round;
+                        Task cancelling = Task.Run(() => { started.WaitOne(); Thread.SpinWait(turns); source.Cancel(); });
+                        started.Set();
+                        try { fitter.Fit(source.Token); }
+                        catch (OperationCanceledException) { stopped++; }
+                        // With the same fitter at once, and without the token.
+                        Check.Near(Scene.Truth.Radius, fitter.Fit().Model.Radius, 1e-3, "radius");
+                        cancelling.Wait();
+                    }
+                }
+                Check.That(stopped > 0, "none was stopped");
+            }
+        }
+
+        public static void ConstantsAreDescribed()
+        {
+            Each<Termination>(constant => constant.Describe());
+            Each<EndState>(constant => constant.Describe());
+            Each<EndSource>(constant => constant.Describe());
+            Each<LimbStatus>(constant => constant.Describe());
+            Each<Part>(constant => constant.Describe());
+            Each<ResultFlags>(flag => flag == ResultFlags.None ? "NONE: no warning" : flag.Describe().Single());
+            string[] both = (ResultFlags.PoorFit | ResultFlags.WeakRadius).Describe();
+            Check.Equal(2, both.Length);
+            Check.That(both[0].StartsWith("WEAK_RADIUS: ") && both[1].StartsWith("POOR_FIT: "), string.Join("; ", both));
+            Check.Equal(0, ResultFlags.None.Describe().Length);
+            Check.Equal(1, ((ResultFlags)(1u << 31)).Describe().Length);
+        }
+
+        /// <summary>Checks that the text of each constant begins with its name.</summary>
+        private static void Each<T>(Func<T, string> describe)
+        {
+            foreach (T constant in Enum.GetValues(typeof(T)))
+            {
+                string[] parts = describe(constant).Split(':');
+                Check.Equal(constant.ToString().ToUpperInvariant(), parts[0].Replace("_", ""));
+                Check.That(parts[1].Length > 5, parts[1]);
             }
         }
     }

@@ -45,6 +45,45 @@ namespace Cylfuse.Tests
             }
         }
 
+        /// <summary>Points that come and go between asking for their number and for their residuals.</summary>
+        public static void WhatIsListedIsOfOneMoment()
+        {
+            using (var fitter = new Fitter())
+            {
+                // At the distance 1 of the surface, each.
+                var points = new double[50, 3];
+                for (int k = 0; k < 50; k++) points[k, 0] = 1.5;
+                PointCloud cloud = PointCloud.From(points);
+                var along = new Cylinder(new Vector(0, 0, 0), new Vector(0, 0, 1), 0.5);
+                bool ended = false;
+                Task changing = Task.Factory.StartNew(() =>
+                {
+                    for (int k = 0; !Volatile.Read(ref ended); k++)
+                        Free(() => { if (k % 8 == 0) fitter.Clear(); else fitter.PushPoints(cloud); });
+                }, TaskCreationOptions.LongRunning);
+                try
+                {
+                    for (int k = 0; k < 20000; k++)
+                    {
+                        Free(() => Check.That(fitter.Residuals(ResidualKind.Points, along).All(x => x == 1), "residuals"));
+                        Free(() => Check.That(fitter.PointParts(along).All(part => part != 0), "parts"));
+                    }
+                }
+                finally
+                {
+                    Volatile.Write(ref ended, true);
+                    changing.Wait();
+                }
+            }
+        }
+
+        /// <summary>A call that the other thread may keep from being made.</summary>
+        private static void Free(Action call)
+        {
+            try { call(); }
+            catch (CylfuseException failure) when (failure.Status == Status.Busy) { }
+        }
+
         /// <summary>The abortion must not jump over the frames of the library.</summary>
         public static void AnAbortedThreadLeavesTheFitterUsable()
         {

@@ -43,7 +43,17 @@ namespace Cylfuse.Tests
 
         private static void Expect(string library, string exception, params string[] parts)
         {
-            var start = new ProcessStartInfo("mono", $"\"{typeof(LoadingTests).Assembly.Location}\" open")
+            string printed = Run(library, nameof(Open));
+            string[] attempts = printed.Split(new[] { exception + ": " }, StringSplitOptions.None);
+            Check.Equal(3, attempts.Length, printed);
+            Check.Equal(attempts[1], attempts[2], "the second attempt");
+            Check.That(parts.All(part => attempts[1].Contains(part)), printed);
+        }
+
+        /// <summary>Runs this program with another library; gives what it printed.</summary>
+        internal static string Run(string library, string what)
+        {
+            var start = new ProcessStartInfo("mono", $"\"{typeof(LoadingTests).Assembly.Location}\" {what}")
             {
                 UseShellExecute = false, RedirectStandardOutput = true,
             };
@@ -52,10 +62,7 @@ namespace Cylfuse.Tests
             {
                 string printed = process.StandardOutput.ReadToEnd();
                 process.WaitForExit();
-                string[] attempts = printed.Split(new[] { exception + ": " }, StringSplitOptions.None);
-                Check.Equal(3, attempts.Length, printed);
-                Check.Equal(attempts[1], attempts[2], "the second attempt");
-                Check.That(parts.All(part => attempts[1].Contains(part)), printed);
+                return printed;
             }
         }
     }

@@ -14,6 +14,7 @@ namespace Cylfuse.Tests
     {
         private static int Main(string[] arguments)
         {
+            if (arguments.Contains(nameof(DetectorTests.PrintMissingExtents))) return DetectorTests.PrintMissingExtents();
             if (arguments.Length > 0) return LoadingTests.Open();
             int passed = 0, failed = 0;
             var tests = Assembly.GetExecutingAssembly().GetTypes()

@@ -272,6 +272,10 @@ namespace Cylfuse.Tests
                 Check.Equal(Conformity.Conforming,
                     result.RadiusConforms(new Tolerance(radius - 2.1 * deviation, radius + 2.1 * deviation)));
                 Check.Equal(Conformity.Undecided, result.RadiusConforms(new Tolerance(radius - 1.9 * deviation, 9.0)));
+                Check.Equal(Conformity.Conforming,
+                    result.DiameterConforms(new Tolerance(2 * radius - 4.2 * deviation, 2 * radius + 4.2 * deviation)));
+                Check.Equal(Conformity.Undecided, result.DiameterConforms(new Tolerance(2 * radius - 3.8 * deviation, 9.0)));
+                Check.Equal(Conformity.NotConforming, result.DiameterConforms(new Tolerance(0, radius)));
 
                 fitter.SetProgress(progress => false);
                 using (Fitter clone = fitter.Clone())

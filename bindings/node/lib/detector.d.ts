@@ -1,7 +1,7 @@
 // All cylinders of a scene.
 
 import type { Numbers, Options, Points, Scalars } from './data.js';
-import type { Fitter, Frame } from './index.js';
+import type { CylfuseError, Fitter, Frame } from './index.js';
 import type { Extent, Result } from './results.js';
 
 /** The settings of a detector. The limits of radius and axis hold for the search and for the fits. */
@@ -36,6 +36,8 @@ export interface Detection {
   result: Result;
   /** Its visible piece; that of a cylinder of a cloud ends with its points; null where there is none. */
   extent: Extent | null;
+  /** Why there is no extent; null where there is one. */
+  extentError: CylfuseError | null;
 }
 
 /**
@@ -113,7 +115,7 @@ export class Detector {
   isComplete(): boolean;
   /**
    * The columns (to the right) and rows (down) by which the depth of the frame was moved to where the image shows the same
-   * bodies; zeros where it was not. Each result then has the warning `DEPTH_SHIFTED`; labels and indices are those of the
+   * bodies; zeros where it was not. Each result then has the warning `depth-shifted`; labels and indices are those of the
    * depth as it was given.
    */
   depthMoved(): [columns: number, rows: number];

@@ -5,7 +5,7 @@ const convert = require('./convert.js');
 const { enumerations } = require('./names.js');
 const { detectionCallback } = require('./callbacks.js');
 const { Calls, checkCallback } = require('./calls.js');
-const { check } = require('./errors.js');
+const { CylfuseError, check } = require('./errors.js');
 const { made } = require('./fitter.js');
 const { inside, during } = require('./frame.js');
 const { detectOnPool, detectPointsOnPool } = require('./pool.js');
@@ -153,10 +153,11 @@ function read(handle) {
     check(functions.cylfuse_detector_get_result(handle, index, result));
     check(functions.cylfuse_detector_get_cylinder(handle, index, estimate));
     const extent = initialised('extent');
-    const seen = functions.cylfuse_detector_get_extent(handle, index, extent) === STATUS.OK;
+    const seen = functions.cylfuse_detector_get_extent(handle, index, extent);
     return {
       score, pixels: Number(pixels), result: convert.resultFromC(result, estimate),
-      extent: seen ? convert.extentFromC(extent) : null,
+      extent: seen === STATUS.OK ? convert.extentFromC(extent) : null,
+      extentError: seen === STATUS.OK ? null : new CylfuseError(seen, functions.cylfuse_detector_last_error(handle)),
     };
   });
 }

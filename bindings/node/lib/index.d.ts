@@ -15,7 +15,8 @@ import type {
   Vector,
 } from './data.js';
 import type {
-  Completion, Conformity, Counts, Diagnosis, EndSample, Extent, Flag, Limb, LimbSample, LogLevel, Part, Progress, Result,
+  Completion, Conformity, Counts, Diagnosis, EndSample, EndSource, EndState, Extent, Flag, Limb, LimbSample, LimbStatus,
+  LogLevel, Part, Progress, Result, Termination,
 } from './results.js';
 
 export * from './data.js';
@@ -254,6 +255,27 @@ export function decideConformity(value: number, deviation: number, tolerance: To
 
 /** Whether the radius of a result conforms to a tolerance, by its deviation and its warnings. */
 export function radiusConforms(result: Result, tolerance: Tolerance): Conformity;
+
+/** The same for the diameter, with limits of the diameter. */
+export function diameterConforms(result: Result, tolerance: Tolerance): Conformity;
+
+/** What each warning means: for every flag its name in C, a colon, and a few words. */
+export function describeFlags(flags: Flag[]): string[];
+
+/** What it means that an iteration ended so: the name in C, a colon, and a few words. */
+export function describeTermination(termination: Termination): string;
+
+/** What the state of an end means: the name in C, a colon, and a few words. */
+export function describeEndState(state: EndState): string;
+
+/** What the source of the position of an end means: the name in C, a colon, and a few words. */
+export function describeEndSource(source: EndSource): string;
+
+/** What it means that a limb was located, or was not: the name in C, a colon, and a few words. */
+export function describeLimbStatus(status: LimbStatus): string;
+
+/** What it means that a point belongs to this: the name in C, a colon, and a few words. */
+export function describePart(part: Part): string;
 
 /** How two cylinders differ: angle and distance of the axes, (radius of b - radius of a) / radius of a. */
 export function compare(a: Cylinder, b: Cylinder): { angle: number; axisDistance: number; radiusRelative: number };

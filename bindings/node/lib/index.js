@@ -56,6 +56,21 @@ function radiusConforms(result, tolerance) {
   return decideConformity(result.cylinder.radius, result.radiusDeviation, tolerance, result.flags);
 }
 
+function diameterConforms(result, tolerance) {
+  return decideConformity(2 * result.cylinder.radius, 2 * result.radiusDeviation, tolerance, result.flags);
+}
+
+/** What makes the text of a name of a kind; a number, as of what a later library has made up, may stand for it. */
+const describing = (kind, text) => (name) => text(/^\d+$/.test(name) ? Number(name) : numberOf(kind, kind, name));
+
+const describeFlag = describing('flag', functions.cylfuse_flag_string);
+const describeFlags = (flags) => Array.from(flags, describeFlag);
+const describeTermination = describing('termination', functions.cylfuse_termination_string);
+const describeEndState = describing('endState', functions.cylfuse_end_state_string);
+const describeEndSource = describing('endSource', functions.cylfuse_end_source_string);
+const describeLimbStatus = describing('limbStatus', functions.cylfuse_limb_status_string);
+const describePart = describing('part', functions.cylfuse_part_string);
+
 function plan(intrinsics, cylinder, noise) {
   const { distance, radius, length, tilt = 0, turn = 0 } = cylinder;
   const camera = convert.intrinsicsToC(intrinsics);
@@ -94,6 +109,13 @@ exports.project = project;
 exports.compare = compare;
 exports.decideConformity = decideConformity;
 exports.radiusConforms = radiusConforms;
+exports.diameterConforms = diameterConforms;
+exports.describeFlags = describeFlags;
+exports.describeTermination = describeTermination;
+exports.describeEndState = describeEndState;
+exports.describeEndSource = describeEndSource;
+exports.describeLimbStatus = describeLimbStatus;
+exports.describePart = describePart;
 exports.plan = plan;
 exports.projectPoints = projectPoints;
 exports.unprojectPixels = unprojectPixels;

@@ -10,6 +10,12 @@ export type Flag =
   | 'depth-shifted' | 'mask-ends-with-depth' | 'poor-fit'
   | 'body-tapers' | 'mask-disagrees';
 
+/**
+ * Why an iteration ended: there was none; the cost no longer fell; no step lowered it; the limit of iterations; the data are
+ * flat; gradient or step fell below its tolerance.
+ */
+export type Termination = 'none' | 'cost' | 'stalled' | 'max-iterations' | 'radius-ran-away' | 'gradient' | 'step';
+
 /** The outcome of a fit: the cylinder, how certain it is, and the numbers to judge it. Deviations are standard ones. */
 export interface Result {
   /** In the reference frame; its axis point is the one nearest to the middle of the points. */
@@ -43,7 +49,7 @@ export interface Result {
   /** Warnings; none of them is an error. */
   flags: Flag[];
   /** Why the iteration ended. */
-  termination: 'none' | 'cost' | 'stalled' | 'max-iterations' | 'radius-ran-away' | 'gradient' | 'step';
+  termination: Termination;
   /** Iterations: linear systems that were solved. */
   iterations: number;
   /** Solves whose step was rejected. */

@@ -1,9 +1,10 @@
 'use strict';
-// Decisions about a tolerance, and fitters that are cloned.
+// Decisions about a tolerance, names as text, and fitters that are cloned.
 
 const assert = require('node:assert/strict');
 const { test } = require('node:test');
 const cylfuse = require('..');
+const { enumerations } = require('../lib/names.js');
 const { pipe } = require('./support.js');
 
 test('the interval decides about a tolerance', () => {
@@ -20,6 +21,26 @@ test('the interval decides about a tolerance', () => {
   assert.throws(() => cylfuse.decideConformity(20, 0.1, { lower: '19' }), /lower must be a number/);
   assert.throws(() => cylfuse.decideConformity(20, 0.1, { lower: 19, coverage: 0 }), /coverage is 0/);
   assert.throws(() => cylfuse.decideConformity(20, 0.1, limits, ['bad']), /flags is "bad"/);
+});
+
+test('names are described', () => {
+  for (const [kind, describe] of [
+    ['flag', (name) => cylfuse.describeFlags([name])[0]], ['termination', cylfuse.describeTermination],
+    ['endState', cylfuse.describeEndState], ['endSource', cylfuse.describeEndSource],
+    ['limbStatus', cylfuse.describeLimbStatus], ['part', cylfuse.describePart],
+  ]) {
+    for (const name of Object.keys(enumerations[kind])) {
+      const [inC, text] = describe(name).split(': ');
+      assert.equal(inC, name.toUpperCase().replaceAll('-', '_'));
+      assert.ok(text.length > 5, text);
+    }
+    assert.throws(() => describe('bad'), { name: 'TypeError', message: new RegExp(`${kind} is "bad"; it must be one of`) });
+  }
+  const [poor, weak] = cylfuse.describeFlags(['poor-fit', 'weak-radius']);
+  assert.ok(poor.startsWith('POOR_FIT: ') && weak.startsWith('WEAK_RADIUS: '));
+  assert.deepEqual(cylfuse.describeFlags([]), []);
+  // Of a later library.
+  assert.equal(typeof cylfuse.describeFlags([String(2 ** 31)])[0], 'string');
 });
 
 test('a result is judged by its deviation, and a clone goes its own way', async () => {
@@ -39,6 +60,10 @@ test('a result is judged by its deviation, and a clone goes its own way', async 
   const about = (width) => ({ lower: radius - width * deviation, upper: radius + width * deviation });
   assert.equal(cylfuse.radiusConforms(result, about(2.1)), 'conforming');
   assert.equal(cylfuse.radiusConforms(result, about(1.9)), 'undecided');
+  const doubled = (width) => ({ lower: 2 * about(width).lower, upper: 2 * about(width).upper });
+  assert.equal(cylfuse.diameterConforms(result, doubled(2.1)), 'conforming');
+  assert.equal(cylfuse.diameterConforms(result, doubled(1.9)), 'undecided');
+  assert.equal(cylfuse.diameterConforms(result, about(2.1)), 'not-conforming');
 
   fitter.setProgress(() => false);
   const clone = fitter.clone();

@@ -74,7 +74,7 @@ test('the cylinders of a frame', async () => {
   const [frame, without] = [makeFrame(), makeFrame(false)];
   const found = await detector.detect(frame);
   check(detector, found, 0.01);
-  assert.ok(found.every(({ extent }) => extent !== null));
+  assert.ok(found.every(({ extent, extentError }) => extent !== null && extentError === null));
   assert.deepEqual([detector.labels().width, detector.labels().height], [160, 120]);
   assert.equal(found[0].result.limbsLocated, 2);
   assert.deepEqual(bare(detector.detections()), bare(found));
@@ -103,6 +103,24 @@ test('the cylinders of a frame', async () => {
   without.close();
   assert.equal(detector.detections().length, 2);
   detector.close();
+});
+
+test('a missing extent has its reason', (t) => {
+  const { functions } = require('../lib/native.js');
+  const { status: { EDGE_GEOMETRY } } = require('../lib/names.js').enumerations;
+  t.mock.method(functions, 'cylfuse_detector_get_extent', () => EDGE_GEOMETRY);
+  t.mock.method(functions, 'cylfuse_detector_last_error', () => 'no ray of the region meets it');
+  const detector = new cylfuse.Detector();
+  const frame = makeFrame();
+  const found = detector.detectSync(frame);
+  assert.equal(found.length, 2);
+  for (const { extent, extentError } of found) {
+    assert.equal(extent, null);
+    assert.ok(extentError instanceof cylfuse.CylfuseError);
+    assert.ok(coded('EDGE_GEOMETRY', /^no ray of the region meets it$/)(extentError));
+  }
+  detector.close();
+  frame.close();
 });
 
 test('the cylinders of a cloud', async () => {

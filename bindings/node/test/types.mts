@@ -1,7 +1,7 @@
 // Compiled by the tests, never run: what the types allow and what they refuse.
 import {
-  Detector, Fitter, Frame, fitAll, fitPoints, distances, projectPoints, unprojectPixels, CylfuseError, type Result, type Extent,
-  type Pose,
+  Detector, Fitter, Frame, describeEndState, describeFlags, describeTermination, distances, fitAll, fitPoints, projectPoints,
+  unprojectPixels, CylfuseError, type Result, type Extent, type Pose,
 } from 'cylfuse';
 
 async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Promise<number> {
@@ -48,12 +48,16 @@ async function use(xyz: Float32Array, depth: Uint16Array, mask: Uint8Array): Pro
   detector.setOptions({ imageUse: 'ignore', maxCount: 3, axis: [0, 1, 0] });
   detector.setFitOptions({ depthNoise: 0.001 });
   detector.setProgress((progress) => progress.phase === 'search' || progress.fitsDone < progress.fits);
+  const reasons: string[] = [
+    ...describeFlags(result.flags), describeTermination(result.termination), describeEndState(extent.startState),
+  ];
+  const causes: (string | undefined)[] = detector.detections().map(({ extentError }) => extentError?.code);
   const lengths: number[] = [...await detector.detect(frame), ...detector.detectPointsSync(xyz)].map(
     ({ score, result: { radiusDeviation }, extent: ends }) => score + radiusDeviation + (ends?.length ?? 0),
   );
   const labels: Uint16Array = detector.labels().data;
   const indices: Uint32Array = detector.indices(labels.length);
-  detector.fitter(indices.length + lengths.length).close();
+  detector.fitter(indices.length + lengths.length + reasons.length + causes.length).close();
   detector.close();
   // @ts-expect-error the extent of a cloud is null
   detector.detections()[0].extent.length;

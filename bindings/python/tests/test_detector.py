@@ -134,7 +134,7 @@ def test_cylinders_of_a_cloud() -> None:
         assert detector.labels.shape == (HEIGHT, WIDTH)
         one = detector.detections[0]
         assert one.extent is not None and one.extent.end_source == cylfuse.EndSource.POINTS
-        with pytest.raises(cylfuse.StateError, match="of a detector"):
+        with pytest.raises(cylfuse.StateError, match=r"which is detector\.fitter\(index\)"):
             one.result.residuals()
 
         # Not organised, float, with strides, and weights.

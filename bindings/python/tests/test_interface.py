@@ -11,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+from typing import Any
 
 import conformance
 import pytest
@@ -65,6 +66,31 @@ def test_choices_are_those_of_the_header(name: str) -> None:
     if name == "ResultFlags":
         expected["NONE"] = 0
     assert {choice.name: choice.value for choice in kind.__members__.values()} == expected
+
+
+@pytest.mark.parametrize("kind", [enums.Termination, enums.EndState, enums.EndSource, enums.LimbStatus, enums.Part])
+def test_constants_are_described(kind: Any) -> None:
+    for choice in kind:
+        name, text = choice.description.split(": ")
+        assert name == choice.name and len(text) > 5
+
+
+def test_flags_are_described_one_by_one() -> None:
+    flags = enums.ResultFlags.POOR_FIT | enums.ResultFlags.WEAK_RADIUS
+    weak, poor = flags.descriptions
+    assert weak.startswith("WEAK_RADIUS: ") and poor.startswith("POOR_FIT: ")
+    assert enums.ResultFlags.NONE.descriptions == []
+    for flag in enums.ResultFlags:
+        assert [text.split(": ")[0] for text in flag.descriptions] == ([flag.name] if flag else [])
+
+
+def test_constants_print_as_their_names() -> None:
+    flags = enums.ResultFlags.POOR_FIT | enums.ResultFlags.WEAK_RADIUS
+    assert str(flags) == f"{flags}" == "%s" % flags == "weak_radius, poor_fit"
+    assert str(enums.ResultFlags.NONE) == f"{enums.ResultFlags(0)}" == "none"
+    assert f"{enums.ResultFlags(1 << 31 | 64)}" == f"weak_radius, {1 << 31}"
+    assert f"{enums.EndState.SEEN:>6}{enums.ResultFlags.POOR_FIT:>10}" == "  seen  poor_fit"
+    assert f"{enums.EndState.SEEN:d} {flags:#x}" == "1 0x40040"
 
 
 def test_every_status_that_a_call_can_return_has_its_exception() -> None:

@@ -393,6 +393,35 @@ def test_fitters_at_once_are_stopped_and_refused() -> None:
     assert cylfuse.fit_all([]) == []
 
 
+def test_results_of_fits_that_were_not_made_anew_still_answer() -> None:
+    fitters = batch()[:2]
+    first, second = (fitter.fit() for fitter in fitters)
+    with pytest.raises(cylfuse.InvalidArgumentError):
+        cylfuse.fit_all(fitters[:1] * 2)
+    with pytest.raises(ZeroDivisionError):
+        cylfuse.fit_all(fitters[1:], on_progress=lambda index, status: 1 / 0)
+    assert len(first.residuals()) == first.points_used
+    with pytest.raises(cylfuse.StateError, match="something else since"):
+        second.residuals()
+
+    results = [fitter.result for fitter in fitters]
+    (outcome,) = cylfuse.fit_all(fitters[:1], on_progress=lambda index, status: results.append(fitters[index].result))
+    assert isinstance(outcome, cylfuse.Result) and len(outcome.residuals()) == len(results.pop().residuals())
+    with pytest.raises(cylfuse.StateError, match="something else since"):
+        results[0].residuals()
+    assert len(results[1].residuals()) == second.points_used
+
+    # The second is not reached.
+    results = [fitter.result for fitter in fitters]
+    outcomes = cylfuse.fit_all(fitters, threads=1, on_progress=lambda index, status: False)
+    for result, of_call in zip(results, outcomes):
+        if isinstance(of_call, cylfuse.CancelledError):
+            assert len(result.residuals()) == result.points_used
+        else:
+            with pytest.raises(cylfuse.StateError):
+                result.residuals()
+
+
 def test_a_busy_fitter_has_its_text_and_the_others_are_fitted() -> None:
     one, other = batch()[:2]
     outcomes: list[object] = []

@@ -28,7 +28,7 @@ vector: npt.NDArray[np.float64] = result.cylinder.point + result.residuals().mea
 length: float = result.extent.length
 distances: npt.NDArray[np.float64] = cylfuse.Cylinder([0, 0, 1], (0, 1, 0), 0.5).distances(points.tolist())
 if cylfuse.ResultFlags.NOT_CONVERGED in result.flags or result.termination == cylfuse.Termination.COST:
-    names: list[str] = result.flags.names
+    names: list[str] = result.flags.names + result.flags.descriptions + [result.termination.description]
 with cylfuse.Fitter(cylfuse.Intrinsics.from_matrix(np.eye(3), 640, 480), options) as fitter:
     fitter.on_progress(slow)
     fitter.on_log(lambda level, text: print(level, text), "debug")

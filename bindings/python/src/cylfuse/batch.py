@@ -35,14 +35,21 @@ def fit_all(
     # Held during the call.
     handles = [fitter._open() for fitter in every]
     pointers = (c_void_p * len(every))(*(handle.pointer for handle in handles))
-    statuses = (c_int32 * len(every))()
+    # Until the library writes another one: a call that it refuses makes no fit.
+    statuses = (c_int32 * len(every))(*[CancelledError.status] * len(every))
     callbacks = Callbacks()
     function = callbacks.fit_ended(on_progress)
     if function:
         callbacks.keep(function)
+    # Before the call: what the callback reads of a fitter that has ended is that of the new fit.
     for fitter in every:
         fitter._revision += 1
-    status = callbacks.around(lib.cylfuse_fit_all, pointers, len(every), count, function, None, statuses)
+    try:
+        status = callbacks.around(lib.cylfuse_fit_all, pointers, len(every), count, function, None, statuses)
+    finally:
+        # A fitter whose fit failed still has the one before.
+        for fitter, of_fit in zip(every, statuses):
+            fitter._revision -= of_fit != 0
     if status not in (0, CancelledError.status):
         fail(status)
     return [_outcome(fitter, of_fit) for fitter, of_fit in zip(every, statuses)]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from enum import IntEnum, IntFlag
 from typing import TYPE_CHECKING, Any, Optional, TypeVar
 
+from ._native import lib
+
 __all__ = [
     "Chart",
     "Conformity",
@@ -33,6 +35,16 @@ __all__ = [
 _C = TypeVar("_C", bound="_Choice")
 
 
+def _text(text: bytes) -> str:
+    return text.decode("ascii", "replace")
+
+
+def _formatted(constant: int, spec: str) -> str:
+    """A constant in a format: its name, or for a type of integers, as in ``:x``, its number. From Python 3.11 on, a width
+    alone would give the number."""
+    return int.__format__(constant, spec) if spec.endswith(tuple("bdnoxX")) else format(str(constant), spec)
+
+
 class _Choice(IntEnum):
     if TYPE_CHECKING:
         # A name will do, as _missing_ says.
@@ -49,6 +61,9 @@ class _Choice(IntEnum):
 
     def __str__(self) -> str:
         return self.name.lower()
+
+    def __format__(self, spec: str) -> str:
+        return _formatted(self, spec)
 
 
 class Method(_Choice):
@@ -183,6 +198,11 @@ class Termination(_Choice):
     #: The step fell below its tolerance.
     STEP = 6
 
+    @property
+    def description(self) -> str:
+        """Its name, a colon, and what it means in a few words."""
+        return _text(lib.cylfuse_termination_string(self))
+
 
 class EndState(_Choice):
     """What an end of the visible cylinder is."""
@@ -195,6 +215,11 @@ class EndState(_Choice):
     CUT = 2
     #: Something nearer than the surface covers what lies beyond.
     HIDDEN = 3
+
+    @property
+    def description(self) -> str:
+        """Its name, a colon, and what it means in a few words."""
+        return _text(lib.cylfuse_end_state_string(self))
 
 
 class EndSource(_Choice):
@@ -210,6 +235,11 @@ class EndSource(_Choice):
     BORDER = 3
     #: The points on the surface, where there is no mask, and from inside a pipe.
     POINTS = 4
+
+    @property
+    def description(self) -> str:
+        """Its name, a colon, and what it means in a few words."""
+        return _text(lib.cylfuse_end_source_string(self))
 
 
 class LimbStatus(_Choice):
@@ -233,6 +263,11 @@ class LimbStatus(_Choice):
     PATCHY = 7
     #: The other limb was found at the same place, and more certainly.
     SAME_LINE = 8
+
+    @property
+    def description(self) -> str:
+        """Its name, a colon, and what it means in a few words."""
+        return _text(lib.cylfuse_limb_status_string(self))
 
 
 class Conformity(_Choice):
@@ -259,6 +294,11 @@ class Part(_Choice):
     OTHER = 4
     #: Something farther away than the cylinder: the background.
     BEHIND = 5
+
+    @property
+    def description(self) -> str:
+        """Its name, a colon, and what it means in a few words."""
+        return _text(lib.cylfuse_part_string(self))
 
 
 class Input(_Choice):
@@ -377,3 +417,17 @@ class ResultFlags(IntFlag):
     def names(self) -> list[str]:
         """The names of the flags that are set."""
         return [str(flag.name) for flag in ResultFlags if flag and flag in self]
+
+    @property
+    def descriptions(self) -> list[str]:
+        """For each flag that is set its name, a colon, and what it means in a few words; empty for no warnings."""
+        return [_text(lib.cylfuse_flag_string(1 << bit)) for bit in range(32) if self & 1 << bit]
+
+    def __str__(self) -> str:
+        names = [name.lower() for name in self.names]
+        # The bits that a later library has added.
+        later = int(self) & ~sum(ResultFlags.__members__.values())
+        return ", ".join([*names, str(later)] if later else names) or "none"
+
+    def __format__(self, spec: str) -> str:
+        return _formatted(self, spec)

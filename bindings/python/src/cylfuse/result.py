@@ -322,7 +322,7 @@ class Result(Record):
         if self._fitter is None:
             raise StateError(
                 "this result has no fitter, being that of a given model, of a detector or of fit_many, or a copy; ask a "
-                "fitter itself"
+                "fitter itself, which is detector.fitter(index) for a detection"
             )
         if self._fitter._revision != self._revision:
             raise StateError("the fitter of this result was given something else since; ask before that")

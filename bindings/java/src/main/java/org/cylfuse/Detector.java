@@ -6,6 +6,7 @@ import com.sun.jna.ptr.IntByReference;
 import com.sun.jna.ptr.LongByReference;
 import java.lang.ref.Cleaner;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Objects;
 import java.util.concurrent.locks.Lock;
@@ -238,16 +239,13 @@ public final class Detector implements AutoCloseable {
     public int[] indices(int index) {
         notNegative(index);
         int[][] indices = new int[1][];
-        handle.run(detector -> {
-            LongByReference count = new LongByReference();
-            int status = NativeFunctions.cylfuse_detector_indices(detector, index, null, 0, count);
-            if (status != Status.BUFFER_TOO_SMALL.value() && status != Status.OK.value()) {
-                return status;
-            }
-            indices[0] = new int[Math.toIntExact(count.getValue())];
-            return NativeFunctions.cylfuse_detector_indices(detector, index, indices[0], count.getValue(), count);
+        return locked(lock.readLock(), () -> {
+            int length = NativeList.fill(handle, (detector, capacity, count) -> {
+                indices[0] = new int[capacity];
+                return NativeFunctions.cylfuse_detector_indices(detector, index, indices[0], capacity, count);
+            });
+            return Arrays.copyOf(indices[0], length);
         });
-        return indices[0];
     }
 
     /**
@@ -326,8 +324,15 @@ public final class Detector implements AutoCloseable {
             status = NativeFunctions.cylfuse_detector_get_cylinder(detector, index, outcome.estimate);
         }
         if (status == Status.OK.value()) {
-            boolean seen = NativeFunctions.cylfuse_detector_get_extent(detector, index, extent) == Status.OK.value();
-            found.add(new Detection(one.score, one.pixels, outcome.read(), seen ? Extent.of(extent) : null));
+            int seen = NativeFunctions.cylfuse_detector_get_extent(detector, index, extent);
+            if (seen == Status.BUSY.value()) {
+                return seen;
+            }
+            CylfuseException error = seen == Status.OK.value()
+                    ? null
+                    : CylfuseException.of(Status.of(seen), NativeFunctions.cylfuse_detector_last_error(detector));
+            found.add(new Detection(
+                    one.score, one.pixels, outcome.read(), error == null ? Extent.of(extent) : null, error));
         }
         return status;
     }

@@ -28,4 +28,13 @@ public enum EndSource implements NativeNumber {
     public int value() {
         return value;
     }
+
+    /**
+     * Says in a few words what it means.
+     *
+     * @return its name, a colon, and what it means
+     */
+    public String description() {
+        return NativeFunctions.cylfuse_end_source_string(value);
+    }
 }

@@ -111,6 +111,17 @@ public record FitResult(
         return tolerance.decide(model.radius(), radiusDeviation, flags);
     }
 
+    /**
+     * Whether the diameter conforms to a tolerance, by its deviation and the warnings.
+     *
+     * @param tolerance the limits of the diameter
+     * @return what the measurement says
+     * @throws CylfuseException INVALID_ARGUMENT for limits that are none
+     */
+    public Conformity diameterConforms(Tolerance tolerance) {
+        return tolerance.decide(2.0 * model.radius(), 2.0 * radiusDeviation, flags);
+    }
+
     static FitResult of(NativeStructs.Result n, NativeStructs.CylinderEstimate e) {
         return new FitResult(
                 Cylinder.of(e.model),

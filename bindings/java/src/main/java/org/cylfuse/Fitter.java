@@ -3,6 +3,7 @@ package org.cylfuse;
 import com.sun.jna.ptr.LongByReference;
 import com.sun.jna.ptr.PointerByReference;
 import java.lang.ref.Cleaner;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Objects;
 import java.util.function.ToIntBiFunction;
@@ -187,16 +188,11 @@ public final class Fitter extends FitterData implements AutoCloseable {
         Objects.requireNonNull(kind, "kind");
         NativeStructs.Cylinder n = Cylinder.toNative(model);
         double[][] residuals = new double[1][];
-        calls.run(fitter -> {
-            LongByReference count = new LongByReference();
-            int status = NativeFunctions.cylfuse_fitter_residuals(fitter, n, kind.value(), null, 0, count);
-            if (status != Status.BUFFER_TOO_SMALL.value() && status != Status.OK.value()) {
-                return status;
-            }
-            residuals[0] = new double[Math.toIntExact(count.getValue())];
-            return NativeFunctions.cylfuse_fitter_residuals(fitter, n, kind.value(), residuals[0], count.getValue(), count);
+        int length = NativeList.fill(calls.handle, (fitter, capacity, count) -> {
+            residuals[0] = new double[capacity];
+            return NativeFunctions.cylfuse_fitter_residuals(fitter, n, kind.value(), residuals[0], capacity, count);
         });
-        return residuals[0];
+        return Arrays.copyOf(residuals[0], length);
     }
 
     /**
@@ -206,24 +202,18 @@ public final class Fitter extends FitterData implements AutoCloseable {
      * @throws CylfuseException BAD_STATE without a result
      */
     public PointWeights pointWeights() {
-        PointWeights[] listed = new PointWeights[1];
-        calls.run(fitter -> {
-            LongByReference count = new LongByReference();
-            int status = NativeFunctions.cylfuse_fitter_point_weights(fitter, null, null, 0, count);
-            if (status != Status.BUFFER_TOO_SMALL.value() && status != Status.OK.value()) {
-                return status;
-            }
-            double[] weights = new double[Math.toIntExact(count.getValue())];
-            byte[] bytes = new byte[weights.length];
-            status = NativeFunctions.cylfuse_fitter_point_weights(fitter, weights, bytes, weights.length, count);
-            boolean[] inliers = new boolean[bytes.length];
-            for (int k = 0; k < bytes.length; k++) {
-                inliers[k] = bytes[k] != 0;
-            }
-            listed[0] = new PointWeights(weights, inliers);
-            return status;
+        double[][] weights = new double[1][];
+        byte[][] bytes = new byte[1][];
+        int length = NativeList.fill(calls.handle, (fitter, capacity, count) -> {
+            weights[0] = new double[capacity];
+            bytes[0] = new byte[capacity];
+            return NativeFunctions.cylfuse_fitter_point_weights(fitter, weights[0], bytes[0], capacity, count);
         });
-        return listed[0];
+        boolean[] inliers = new boolean[length];
+        for (int k = 0; k < length; k++) {
+            inliers[k] = bytes[0][k] != 0;
+        }
+        return new PointWeights(Arrays.copyOf(weights[0], length), inliers);
     }
 
     /**
@@ -236,16 +226,11 @@ public final class Fitter extends FitterData implements AutoCloseable {
     public Part[] pointParts(Cylinder model) {
         NativeStructs.Cylinder n = Cylinder.toNative(model);
         byte[][] parts = new byte[1][];
-        calls.run(fitter -> {
-            LongByReference count = new LongByReference();
-            int status = NativeFunctions.cylfuse_fitter_point_parts(fitter, n, null, 0, count);
-            if (status != Status.BUFFER_TOO_SMALL.value() && status != Status.OK.value()) {
-                return status;
-            }
-            parts[0] = new byte[Math.toIntExact(count.getValue())];
-            return NativeFunctions.cylfuse_fitter_point_parts(fitter, n, parts[0], count.getValue(), count);
+        int length = NativeList.fill(calls.handle, (fitter, capacity, count) -> {
+            parts[0] = new byte[capacity];
+            return NativeFunctions.cylfuse_fitter_point_parts(fitter, n, parts[0], capacity, count);
         });
-        Part[] listed = new Part[parts[0].length];
+        Part[] listed = new Part[length];
         for (int k = 0; k < listed.length; k++) {
             listed[k] = NativeNumber.find(Part.class, parts[0][k]);
         }

@@ -36,4 +36,13 @@ public enum LimbStatus implements NativeNumber {
     public int value() {
         return value;
     }
+
+    /**
+     * Says in a few words what it means.
+     *
+     * @return its name, a colon, and what it means
+     */
+    public String description() {
+        return NativeFunctions.cylfuse_limb_status_string(value);
+    }
 }

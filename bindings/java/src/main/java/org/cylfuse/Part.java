@@ -28,4 +28,13 @@ public enum Part implements NativeNumber {
     public int value() {
         return value;
     }
+
+    /**
+     * Says in a few words what it means.
+     *
+     * @return its name, a colon, and what it means
+     */
+    public String description() {
+        return NativeFunctions.cylfuse_part_string((byte) value);
+    }
 }

@@ -1,6 +1,7 @@
 package org.cylfuse;
 
 import java.util.EnumSet;
+import java.util.List;
 import java.util.Set;
 
 /**
@@ -98,6 +99,25 @@ public enum ResultFlag {
      */
     public int value() {
         return value;
+    }
+
+    /**
+     * Says in a few words what it means.
+     *
+     * @return its name, a colon, and what it means
+     */
+    public String description() {
+        return NativeFunctions.cylfuse_flag_string(value);
+    }
+
+    /**
+     * Says in a few words what each of several warnings means.
+     *
+     * @param flags the warnings, as {@link FitResult#flags()}
+     * @return for each, in the order of this enumeration, its name, a colon, and what it means; empty for none
+     */
+    public static List<String> descriptions(Set<ResultFlag> flags) {
+        return flags.stream().sorted().map(ResultFlag::description).toList();
     }
 
     /** The flags whose bits are set; bits that a newer library has added are left out. */

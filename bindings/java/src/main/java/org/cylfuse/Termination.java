@@ -32,4 +32,13 @@ public enum Termination implements NativeNumber {
     public int value() {
         return value;
     }
+
+    /**
+     * Says in a few words what it means.
+     *
+     * @return its name, a colon, and what it means
+     */
+    public String description() {
+        return NativeFunctions.cylfuse_termination_string(value);
+    }
 }

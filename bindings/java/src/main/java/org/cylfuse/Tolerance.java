@@ -23,8 +23,8 @@ public record Tolerance(double lower, double upper, double coverage) {
 
     /**
      * Decides by the rule of ISO 14253-1 whether a length conforms: only where the value with {@link #coverage()} deviations
-     * on either side lies within the limits, and not only where it lies outside. {@link FitResult#radiusConforms} asks for the
-     * radius of a fit.
+     * on either side lies within the limits, and not only where it lies outside. {@link FitResult#radiusConforms} and {@link
+     * FitResult#diameterConforms} ask for those of a fit.
      *
      * @param value the value
      * @param deviation its standard deviation; NaN, and 0 as of a radius that the limits of the fit fix, decide nothing. A

@@ -4,8 +4,10 @@ import static org.junit.Assert.assertArrayEquals;
 import static org.junit.Assert.assertEquals;
 import static org.junit.Assert.assertFalse;
 import static org.junit.Assert.assertNotNull;
+import static org.junit.Assert.assertNull;
 import static org.junit.Assert.assertThrows;
 import static org.junit.Assert.assertTrue;
+import static org.junit.Assume.assumeNotNull;
 
 import java.io.IOException;
 import java.nio.FloatBuffer;
@@ -16,6 +18,7 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
+import java.util.concurrent.locks.ReadWriteLock;
 import java.util.stream.IntStream;
 import org.junit.Test;
 import org.junit.function.ThrowingRunnable;
@@ -107,6 +110,7 @@ public class DetectorTest {
             check(detector, found, 0.01);
             assertEquals(2, found.get(0).result().limbsLocated());
             assertNotNull(found.get(0).extent());
+            assertNull(found.get(0).extentError());
             same(found, detector.detections());
             assertEquals(Pair.WIDTH, detector.labels().width());
 
@@ -325,6 +329,46 @@ public class DetectorTest {
             search.get();
         }
         thread.shutdown();
+    }
+
+    /** What reads a scene in several calls does not begin while a search exchanges it. */
+    @Test
+    public void aSearchIsNotReadBeforeItsEnd() throws Exception {
+        ExecutorService thread = Executors.newSingleThreadExecutor();
+        try (Detector detector = new Detector(); Frame frame = Pair.frame(true)) {
+            int[] indices = thread.submit(() -> {
+                detector.detect(frame);
+                return detector.indices(1);
+            }).get();
+            var lock = Detector.class.getDeclaredField("lock");
+            lock.setAccessible(true);
+            var searching = ((ReadWriteLock) lock.get(detector)).writeLock();
+            thread.submit(searching::lock).get();
+            for (ThrowingRunnable call : List.<ThrowingRunnable>of(
+                    detector::detections, detector::labels, () -> detector.indices(1), () -> detector.makeFitter(1))) {
+                fails(Status.BUSY, "", call);
+            }
+            thread.submit(searching::unlock).get();
+            assertArrayEquals(indices, detector.indices(1));
+        }
+        thread.shutdown();
+    }
+
+    /** In a process of its own. */
+    public static void main(String[] arguments) {
+        try (Detector detector = new Detector(); Frame frame = Pair.frame(true)) {
+            for (Detection one : detector.detect(frame)) {
+                System.out.println(one.extent() + " " + one.extentError().status() + " " + one.extentError().getMessage());
+            }
+        }
+    }
+
+    @Test
+    public void aMissingExtentHasItsReason() throws Exception {
+        String library = System.getenv("CYLFUSE_WITHOUT_EXTENTS");
+        assumeNotNull(library); // test.sh makes it; Maven does not
+        String expected = "null EDGE_GEOMETRY EDGE_GEOMETRY: made up\n";
+        assertEquals(expected + expected, LoadingTest.run(DetectorTest.class, library));
     }
 
     @Test

@@ -17,6 +17,7 @@ import java.util.EnumSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
+import java.util.function.Function;
 import org.junit.Test;
 import org.junit.function.ThrowingRunnable;
 
@@ -303,6 +304,27 @@ public class FitterTest {
             assertArrayEquals(
                     plain.residuals(ResidualKind.EDGES, Scene.TRUTH), fitter.residuals(ResidualKind.EDGES, Scene.TRUTH), 0);
         }
+    }
+
+    private static <E extends Enum<E>> void described(E[] constants, Function<E, String> describe) {
+        for (E constant : constants) {
+            String text = describe.apply(constant);
+            assertTrue(text, text.startsWith(constant.name() + ": ") && text.length() > constant.name().length() + 7);
+        }
+    }
+
+    @Test
+    public void constantsAreDescribed() {
+        described(Termination.values(), Termination::description);
+        described(EndState.values(), EndState::description);
+        described(EndSource.values(), EndSource::description);
+        described(LimbStatus.values(), LimbStatus::description);
+        described(Part.values(), Part::description);
+        described(ResultFlag.values(), ResultFlag::description);
+        assertEquals(
+                List.of(ResultFlag.WEAK_RADIUS.description(), ResultFlag.POOR_FIT.description()),
+                ResultFlag.descriptions(Set.of(ResultFlag.POOR_FIT, ResultFlag.WEAK_RADIUS)));
+        assertEquals(List.of(), ResultFlag.descriptions(Set.of()));
     }
 
     @SuppressWarnings("unchecked")

@@ -9,12 +9,14 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.ExecutionException;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
+import java.util.concurrent.atomic.AtomicBoolean;
 import org.junit.Test;
 
 public class LifetimeTest {
@@ -39,6 +41,50 @@ public class LifetimeTest {
         });
         assertEquals(Scene.TRUTH.radius(), fitter.fit().model().radius(), 1e-3);
         assertThrows(IllegalStateException.class, fitter::fit);
+    }
+
+    /** A call that the other thread may keep from being made. */
+    private static void free(Runnable call) {
+        try {
+            call.run();
+        } catch (CylfuseException failure) {
+            assertEquals(Status.BUSY, failure.status());
+        }
+    }
+
+    /** Points that come and go between asking for their number and for their residuals. */
+    @Test
+    public void whatIsListedIsOfOneMoment() throws Exception {
+        // At the distance 1 of the surface, each.
+        double[] points = new double[150];
+        for (int k = 0; k < 150; k += 3) {
+            points[k] = 1.5;
+        }
+        PointCloud cloud = PointCloud.of(points);
+        Cylinder along = new Cylinder(new Vector(0, 0, 0), new Vector(0, 0, 1), 0.5);
+        AtomicBoolean ended = new AtomicBoolean();
+        ExecutorService thread = Executors.newSingleThreadExecutor();
+        try (Fitter fitter = new Fitter()) {
+            Future<?> changing = thread.submit(() -> {
+                for (int k = 0; !ended.get(); k++) {
+                    if (k % 8 == 0) {
+                        free(fitter::clear);
+                    } else {
+                        free(() -> fitter.pushPoints(cloud));
+                    }
+                }
+            });
+            for (int k = 0; k < 20000; k++) {
+                free(() -> assertTrue(
+                        Arrays.stream(fitter.residuals(ResidualKind.POINTS, along)).allMatch(distance -> distance == 1)));
+                free(() -> fitter.pointParts(along));
+            }
+            ended.set(true);
+            changing.get();
+        } finally {
+            ended.set(true);
+            thread.shutdown();
+        }
     }
 
     @Test

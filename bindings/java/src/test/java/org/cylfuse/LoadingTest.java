@@ -27,10 +27,15 @@ public class LoadingTest {
     }
 
     private static String open(String library, String... options) throws IOException, InterruptedException {
+        return run(LoadingTest.class, library, options);
+    }
+
+    /** Runs another process with another library; gives what it printed. */
+    static String run(Class<?> program, String library, String... options) throws IOException, InterruptedException {
         List<String> command = new ArrayList<>();
         command.add(Path.of(System.getProperty("java.home"), "bin", "java").toString());
         command.addAll(List.of(options));
-        command.addAll(List.of("-cp", System.getProperty("java.class.path"), LoadingTest.class.getName()));
+        command.addAll(List.of("-cp", System.getProperty("java.class.path"), program.getName()));
         ProcessBuilder builder = new ProcessBuilder(command).redirectError(ProcessBuilder.Redirect.INHERIT);
         builder.environment().put("CYLFUSE_LIBRARY", library);
         Process process = builder.start();

@@ -307,6 +307,11 @@ public class ViewTest {
                 Conformity.CONFORMING,
                 result.radiusConforms(new Tolerance(radius - 2.1 * deviation, radius + 2.1 * deviation)));
         assertEquals(Conformity.UNDECIDED, result.radiusConforms(new Tolerance(radius - 1.9 * deviation, 9.0)));
+        assertEquals(
+                Conformity.CONFORMING,
+                result.diameterConforms(new Tolerance(2 * radius - 4.2 * deviation, 2 * radius + 4.2 * deviation)));
+        assertEquals(Conformity.UNDECIDED, result.diameterConforms(new Tolerance(2 * radius - 3.8 * deviation, 9.0)));
+        assertEquals(Conformity.NOT_CONFORMING, result.diameterConforms(new Tolerance(0, radius)));
 
         fitter.setProgressListener(progress -> false);
         try (Fitter copy = fitter.copy()) {
