@@ -45,7 +45,7 @@ version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
 check "what was installed" test "$listing" = "./include/cylfuse/batch.hpp ./include/cylfuse/callbacks.hpp ./include/cylfuse/cylfuse.h \
 ./include/cylfuse/cylfuse.hpp ./include/cylfuse/cylinder.hpp ./include/cylfuse/detector.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp \
-./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/names.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
+./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/handle.hpp ./include/cylfuse/names.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
 ./include/cylfuse/pcl_detection.hpp ./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \
 ./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
 ./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
@@ -85,7 +85,7 @@ every_constant() { # every_constant: enums.hpp has all constants of the C interf
     [ -z "$missing" ] || { echo "not in enums.hpp: $missing"; return 1; }
 }
 check "enumerations" every_constant
-for header in callbacks cylfuse cylinder detector eigen enums error frame names opencv pcl pcl_detection pcl_segmentation types views; do
+for header in callbacks cylfuse cylinder detector eigen enums error frame handle names opencv pcl pcl_detection pcl_segmentation types views; do
     printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
     check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"
 done

@@ -120,6 +120,17 @@ static void small_buffers_say_what_is_needed()
     detector.detect_points(points);
     std::uint16_t labels[3];
     CHECK(needed_by([&] { detector.labels(labels); }) == points.size());
+
+    cylfuse::Part part[1];
+    cylfuse::Limb limb[1];
+    cylfuse::Span<cylfuse::EndSample> no_samples;
+    CHECK(needed_by([&] { fitter.point_weights(doubles, bytes); }) == used);
+    CHECK(needed_by([&] { fitter.point_weights(doubles); }) == used);
+    CHECK(needed_by([&] { fitter.point_weights({}, bytes); }) == used);
+    CHECK(needed_by([&] { fitter.point_weights({}); }) == used);
+    CHECK(needed_by([&] { fitter.point_parts(part); }) == used);
+    CHECK(needed_by([&] { fitter.limbs(limb); }) == 2);
+    CHECK(needed_by([&] { fitter.end_samples(no_samples); }) == fitter.end_samples().size());
 }
 
 static void a_failed_completion_leaves_the_points()
@@ -178,6 +189,10 @@ static void data_may_vanish_after_the_call()
     fitter.push_edges(std::vector<std::array<double, 4>>(scene.edges));
     fitter.push_edges(std::array<std::array<float, 4>, 1>{{{{1.0F, 2.0F, 3.0F, 40.0F}}}});
     CHECK(fitter.counts().segments_given == 3);
+    fitter.push_points(std::array<std::array<float, 3>, 2>{{{{1.0F, 2.0F, 3.0F}}, {{1.0F, 2.0F, 4.0F}}}});
+    CHECK(fitter.counts().points_given == 402);
+    fitter.push_edges(cylfuse::Span<const std::array<double, 4>>(scene.edges));
+    CHECK(fitter.counts().segments_given == 5);
     std::vector<double> distances(200);
     cylfuse::distances(PIPE, some_points(), distances);
     CHECK(std::all_of(distances.begin(), distances.end(), [](double d) { return std::abs(d) < 1e-9; }));
