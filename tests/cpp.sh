@@ -85,6 +85,20 @@ every_constant() { # every_constant: enums.hpp has all constants of the C interf
     [ -z "$missing" ] || { echo "not in enums.hpp: $missing"; return 1; }
 }
 check "enumerations" every_constant
+every_name() { # every_name: to_string() gives each of them the name that it has in the C header
+    {
+        printf '#include <cylfuse/cylfuse.hpp>\n#include <cstdio>\nstatic int bad = 0;\n'
+        printf 'static void same(const std::string &name, const char *expected)\n{\n'
+        printf '    if (name != expected) { ++bad; std::printf("%%s, not %%s\\n", name.c_str(), expected); }\n}\n'
+        printf 'int main()\n{\n'
+        awk '/^enum class / { enumeration = $3; prefix = toupper($5) "_" }
+            / = CYLFUSE_/ { sub(/,/, ""); printf "    same(to_string(cylfuse::%s::%s), \"%s\");\n", enumeration, $1, substr($3, length(prefix) + 1) }' \
+            include/cylfuse/enums.hpp
+        printf '    return bad;\n}\n'
+    } > "$work/names.cpp"
+    g++ -std=c++14 -I "$prefix/include" "$work/names.cpp" -L "$prefix/lib" -lcylfuse -Wl,-rpath,"$prefix/lib" -o "$work/names" && "$work/names"
+}
+check "names of constants" every_name
 for header in callbacks cylfuse cylinder detector eigen enums error frame handle names opencv pcl pcl_detection pcl_segmentation types views; do
     printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
     check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"

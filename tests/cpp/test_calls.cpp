@@ -17,6 +17,13 @@ static void constants_have_names()
     CHECK(cylfuse::to_string(cylfuse::LimbStatus::NoEdge) == "NO_EDGE");
     CHECK(cylfuse::to_string(cylfuse::Part::InnerWall) == "INNER_WALL");
     CHECK(cylfuse::to_string(cylfuse::EndState(99)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::CylinderEstimate().start_kind()) == "AUTO");
+    CHECK(cylfuse::to_string(cylfuse::Start::Last) == "LAST" && cylfuse::to_string(cylfuse::Start(-1)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::Conformity::NotConforming) == "NOT_CONFORMING");
+    CHECK(cylfuse::to_string(cylfuse::Conformity(3)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::Phase::Start) == "START" && cylfuse::to_string(cylfuse::Phase(0)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::Input::Depth | cylfuse::Input::Image) == "DEPTH, IMAGE");
+    CHECK(cylfuse::to_string(cylfuse::Input(0)).empty() && cylfuse::to_string(cylfuse::Input(17)) == "POINTS, unknown");
     CHECK(std::string(cylfuse::describe(cylfuse::EndState::Seen)) == "SEEN: the surface ends there");
     CHECK(std::string(cylfuse::describe(cylfuse::Part::Cap)).find("CAP: ") == 0);
     CHECK(std::string(cylfuse::describe(cylfuse::ResultFlags::WeakRadius)).find("WEAK_RADIUS: ") == 0);
