@@ -182,7 +182,7 @@ public:
         if (callback) {
             made.reset(new ProgressCallback(std::move(callback)));
         }
-        const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, Progress> : nullptr;
+        const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, cylfuse_progress> : nullptr;
         const cylfuse_status status = cylfuse_fitter_set_progress(begin(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             handle_.get_deleter().progress = std::move(made); // The earlier one goes after the library knows the new one.

@@ -92,7 +92,7 @@ public:
             made.reset(new DetectionCallback(std::move(callback)));
         }
         const cylfuse_detection_progress_fn function =
-            made ? detail::on_progress<DetectionCallback, DetectionProgress> : nullptr;
+            made ? detail::on_progress<DetectionCallback, cylfuse_detection_progress> : nullptr;
         const cylfuse_status status = cylfuse_detector_set_progress(begin(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             handle_.get_deleter().progress = std::move(made);

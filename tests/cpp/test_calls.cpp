@@ -2,6 +2,7 @@
 #include "check.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 
 using Points = std::vector<std::array<double, 3>>;
@@ -89,6 +90,28 @@ static void exceptions_leave_the_call_that_they_came_from()
     });
     const std::string thrown = thrown_by([&] { fitter.residuals(cylfuse::ResidualKind::Points); });
     CHECK(thrown == (lines > 0 ? "from the log" : ""));
+}
+
+// Callbacks of the struct of C still serve, and of a library that knows fewer fields no more are read.
+static void progress_is_that_of_c()
+{
+    const Points points = some_points();
+    cylfuse::Fitter fitter;
+    fitter.push_points(points);
+    int solves = 0;
+    fitter.set_progress([&](const cylfuse_progress &progress) { return progress.phase != CYLFUSE_PHASE_SOLVE || ++solves > 0; });
+    fitter.fit();
+    CHECK(solves > 0);
+    cylfuse_progress state{};
+    state.phase = CYLFUSE_PHASE_SOLVE;
+    state.cost = 7.0;
+    CHECK(cylfuse::Progress(state).cost == 7.0);
+    state.struct_size = offsetof(cylfuse_progress, cost);
+    const cylfuse::Progress older(state);
+    CHECK(older.current_phase() == cylfuse::Phase::Solve && older.phase == 2 && older.cost == 0.0);
+    CHECK(older.struct_size == state.struct_size);
+    state.struct_size = 1000;
+    CHECK(cylfuse::Progress(state).cost == 7.0 && cylfuse::Progress(state).struct_size == sizeof(cylfuse_progress));
 }
 
 template <class Statement>
@@ -231,6 +254,7 @@ int main()
 {
     constants_have_names();
     exceptions_leave_the_call_that_they_came_from();
+    progress_is_that_of_c();
     small_buffers_say_what_is_needed();
     a_failed_completion_leaves_the_points();
     the_version_is_that_of_the_header();

@@ -126,14 +126,18 @@ static void callbacks_and_moves()
     cylfuse::Detector first;
     int calls = 0;
     std::uint32_t fits = 0;
+    std::vector<cylfuse::DetectionPhase> phases;
     first.set_progress([&](const cylfuse::DetectionProgress &progress) {
         ++calls;
+        phases.push_back(progress.current_phase());
+        CHECK(progress.phase == std::int32_t(phases.back()) && progress.struct_size == sizeof(cylfuse_detection_progress));
         fits = progress.fits_done;
         CHECK_ERROR(first.set_progress(nullptr), BUSY, "busy");
         return true;
     });
     first.detect(frame);
     CHECK(calls >= 4 && fits >= 2);
+    CHECK(phases.front() == cylfuse::DetectionPhase::Search && phases.back() == cylfuse::DetectionPhase::Fit);
     first.set_progress([](const cylfuse::DetectionProgress &) { return false; });
     CHECK_ERROR(first.detect(frame), CANCELLED, "cancelled");
     CHECK(first.count() == 2);

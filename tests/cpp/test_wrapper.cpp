@@ -154,6 +154,9 @@ static void lists_come_whole()
     const std::vector<cylfuse::Part> parts = fitter.point_parts();
     CHECK(parts.size() == used && parts[used / 2] == cylfuse::Part::Body);
     CHECK(fitter.point_parts(PIPE).size() == used);
+    std::vector<cylfuse::Part> same_parts(used, cylfuse::Part::Behind);
+    CHECK(fitter.point_parts(same_parts) == used && same_parts == parts);
+    CHECK(fitter.point_parts(same_parts, PIPE) == used);
     const std::vector<cylfuse::Limb> limbs = fitter.limbs();
     CHECK(limbs.size() == 2 && limbs[1].limb == 1 && limbs[1].status() == cylfuse::LimbStatus::Located);
     std::array<cylfuse::Limb, 3> same_limbs;
@@ -269,7 +272,14 @@ static void keeps_its_settings_and_moves()
     options.edge_noise = 0.25;
     first.set_options(options);
     int solves = 0;
-    first.set_progress([&](const cylfuse::Progress &) { return ++solves > 0; });
+    first.set_progress([&](const cylfuse::Progress &progress) {
+        // As a number and as a constant.
+        CHECK(progress.phase == CYLFUSE_PHASE_START || progress.current_phase() == cylfuse::Phase::Solve);
+        CHECK(progress.struct_size == sizeof(cylfuse_progress));
+        CHECK((progress.cylinder != nullptr) == (progress.current_phase() == cylfuse::Phase::Solve));
+        solves += progress.current_phase() == cylfuse::Phase::Solve && progress.max_iterations > 0;
+        return true;
+    });
     std::vector<std::string> lines;
     first.set_log(cylfuse::LogLevel::Info, [&](cylfuse::LogLevel, const char *line) { lines.push_back(line); });
 
