@@ -45,7 +45,7 @@ version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 soname=$(readelf -d "$prefix/lib/libcylfuse.so" | sed -n 's/.*soname: \[\(.*\)\]/\1/p')
 check "what was installed" test "$listing" = "./include/cylfuse/batch.hpp ./include/cylfuse/callbacks.hpp ./include/cylfuse/cylfuse.h \
 ./include/cylfuse/cylfuse.hpp ./include/cylfuse/cylinder.hpp ./include/cylfuse/detector.hpp ./include/cylfuse/eigen.hpp ./include/cylfuse/enums.hpp \
-./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/names.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
+./include/cylfuse/error.hpp ./include/cylfuse/frame.hpp ./include/cylfuse/handle.hpp ./include/cylfuse/names.hpp ./include/cylfuse/opencv.hpp ./include/cylfuse/pcl.hpp \
 ./include/cylfuse/pcl_detection.hpp ./include/cylfuse/pcl_segmentation.hpp ./include/cylfuse/types.hpp ./include/cylfuse/views.hpp \
 ./lib/cmake/cylfuse/cylfuse-config-version.cmake ./lib/cmake/cylfuse/cylfuse-config.cmake ./lib/libcylfuse.a \
 ./lib/libcylfuse.so ./lib/$soname ./lib/libcylfuse.so.$version ./lib/pkgconfig/cylfuse.pc "
@@ -85,7 +85,21 @@ every_constant() { # every_constant: enums.hpp has all constants of the C interf
     [ -z "$missing" ] || { echo "not in enums.hpp: $missing"; return 1; }
 }
 check "enumerations" every_constant
-for header in callbacks cylfuse cylinder detector eigen enums error frame names opencv pcl pcl_detection pcl_segmentation types views; do
+every_name() { # every_name: to_string() gives each of them the name that it has in the C header
+    {
+        printf '#include <cylfuse/cylfuse.hpp>\n#include <cstdio>\nstatic int bad = 0;\n'
+        printf 'static void same(const std::string &name, const char *expected)\n{\n'
+        printf '    if (name != expected) { ++bad; std::printf("%%s, not %%s\\n", name.c_str(), expected); }\n}\n'
+        printf 'int main()\n{\n'
+        awk '/^enum class / { enumeration = $3; prefix = toupper($5) "_" }
+            / = CYLFUSE_/ { sub(/,/, ""); printf "    same(to_string(cylfuse::%s::%s), \"%s\");\n", enumeration, $1, substr($3, length(prefix) + 1) }' \
+            include/cylfuse/enums.hpp
+        printf '    return bad;\n}\n'
+    } > "$work/names.cpp"
+    g++ -std=c++14 -I "$prefix/include" "$work/names.cpp" -L "$prefix/lib" -lcylfuse -Wl,-rpath,"$prefix/lib" -o "$work/names" && "$work/names"
+}
+check "names of constants" every_name
+for header in callbacks cylfuse cylinder detector eigen enums error frame handle names opencv pcl pcl_detection pcl_segmentation types views; do
     printf '#include <cylfuse/%s.hpp>\n#include <cylfuse/%s.hpp>\n' $header $header > "$work/$header.cpp"
     check "$header.hpp by itself" compiles g++ c++14 "$work/$header.cpp"
 done
@@ -227,11 +241,13 @@ block docs/from-pcl.md cpp 1 > "$work/with_pcl.cpp"
 block docs/from-pcl.md cpp 2 > "$work/with_cylfuse.cpp"
 block docs/from-pcl.md cpp 3 > "$work/with_image.cpp"
 block docs/segment-a-scene.md cpp 1 > "$work/scene.cpp"
-block docs/segment-a-scene.md cpp 2 > "$work/scene_with_pcl.cpp"
+block docs/segment-a-scene.md cpp 2 > "$work/scene_with_eigen.cpp"
+block docs/segment-a-scene.md cpp 3 > "$work/scene_with_pcl.cpp"
 check "the page from PCL, PCL" compiles g++ c++14 "$work/with_pcl.cpp"
 check "the page from PCL, cylfuse" compiles g++ c++14 "$work/with_cylfuse.cpp"
 check "the page from PCL, image" compiles g++ c++14 "$work/with_image.cpp"
 check "the page on scenes, C++" compiles g++ c++14 "$work/scene.cpp"
+check "the page on scenes, Eigen" compiles g++ c++14 "$work/scene_with_eigen.cpp"
 check "the page on scenes, PCL" compiles g++ c++14 "$work/scene_with_pcl.cpp"
 
 printf '\ncpp: %s passed, %s failed\n' $passed $failed

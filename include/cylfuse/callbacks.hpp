@@ -16,7 +16,7 @@
 
 namespace cylfuse {
 
-/** Called before every iteration of a fit; false stops it with Status::Cancelled. */
+/** Called before every iteration of a fit, and between its other steps; false stops it with Status::Cancelled. */
 using ProgressCallback = std::function<bool(const Progress &)>;
 
 /** Is called with the progress of a detector; false stops it with Status::Cancelled. */

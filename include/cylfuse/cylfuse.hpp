@@ -26,6 +26,7 @@
 #include <cylfuse/callbacks.hpp>
 #include <cylfuse/error.hpp>
 #include <cylfuse/frame.hpp>
+#include <cylfuse/handle.hpp>
 #include <cylfuse/types.hpp>
 #include <cylfuse/views.hpp>
 
@@ -48,7 +49,7 @@ inline namespace with_exceptions {
  * Status::NullPointer. Callbacks may throw: the exception leaves the method that they were called from. One of progress
  * stops the fit; after one of the log, which stops nothing, the method has done its work, such as adding the points.
  */
-class Fitter {
+class Fitter : detail::Handle<cylfuse_fitter, detail::DestroyFitter, cylfuse_fitter_last_error> {
 public:
 #ifndef CYLFUSE_NO_EXCEPTIONS
     /** A fitter with default options, one view at the identity, and no data. */
@@ -62,7 +63,7 @@ public:
         return detail::finish_call(status, Fitter(made));
     }
     /** Takes over a fitter of the C interface, which has no callbacks; NULL for one that holds nothing. */
-    explicit Fitter(cylfuse_fitter *fitter) noexcept : handle_(fitter) {}
+    explicit Fitter(cylfuse_fitter *fitter) noexcept : Handle(fitter) {}
 
     /**
      * Another fitter with all that this one holds, settings, data and result, but no callbacks. Images are shared, points are
@@ -88,7 +89,7 @@ public:
      */
     cylfuse_fitter *release() noexcept
     {
-        Destroy &callbacks = handle_.get_deleter();
+        detail::DestroyFitter &callbacks = handle_.get_deleter();
         const auto busy = [](cylfuse_status status) { return status == CYLFUSE_STATUS_BUSY; };
         if ((callbacks.progress && busy(cylfuse_fitter_set_progress(handle(), nullptr, nullptr))) ||
             (callbacks.log && busy(cylfuse_fitter_set_log(handle(), CYLFUSE_LOG_LEVEL_OFF, nullptr, nullptr)))) {
@@ -181,7 +182,7 @@ public:
         if (callback) {
             made.reset(new ProgressCallback(std::move(callback)));
         }
-        const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, Progress> : nullptr;
+        const cylfuse_progress_fn function = made ? detail::on_progress<ProgressCallback, cylfuse_progress> : nullptr;
         const cylfuse_status status = cylfuse_fitter_set_progress(begin(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             handle_.get_deleter().progress = std::move(made); // The earlier one goes after the library knows the new one.
@@ -289,10 +290,10 @@ public:
     /** Writes residuals of the selected view, and gives their number; Error::needed() when there is not room enough. */
     Returned<std::size_t> residuals(ResidualKind kind, Span<double> out, Optional<Cylinder> model = {}) const
     {
-        std::size_t count = 0;
-        const cylfuse_status status = cylfuse_fitter_residuals(
-            begin(), model.get(), static_cast<cylfuse_residual_kind>(kind), out.data(), out.size(), &count);
-        return finish(status, count, count);
+        return write(out, [&](double *values, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_residuals(handle(), model.get(), static_cast<cylfuse_residual_kind>(kind), values,
+                                            capacity, count);
+        });
     }
     /** How much each point of the selected view counts at the cylinder of the last fit, in the order of residuals(). */
     Returned<PointWeights> point_weights() const
@@ -309,6 +310,21 @@ public:
         }
         return finish(status, std::move(all));
     }
+    /**
+     * Writes what point_weights() gives, and gives the number; Error::needed() when there is not room enough. An empty buffer
+     * is for what is not wanted: `point_weights({}, inliers)`.
+     */
+    Returned<std::size_t> point_weights(Span<double> weights, Span<std::uint8_t> inliers = {}) const
+    {
+        double *const to_weights = weights.size() == 0 ? nullptr : weights.data();
+        std::uint8_t *const to_inliers = inliers.size() == 0 ? nullptr : inliers.data();
+        const bool both = to_weights != nullptr && to_inliers != nullptr;
+        const std::size_t capacity =
+            both ? std::min(weights.size(), inliers.size()) : std::max(weights.size(), inliers.size());
+        std::size_t count = 0;
+        const cylfuse_status status = cylfuse_fitter_point_weights(begin(), to_weights, to_inliers, capacity, &count);
+        return finish(status, count, count);
+    }
     /** What each point of the selected view belongs to, in the order of residuals(). */
     Returned<std::vector<Part>> point_parts(Optional<Cylinder> model = {}) const
     {
@@ -317,11 +333,26 @@ public:
                                               count);
         });
     }
+    /** Writes what point_parts() gives, and gives the number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> point_parts(Span<Part> out, Optional<Cylinder> model = {}) const
+    {
+        return write(out, [&](Part *parts, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_point_parts(handle(), model.get(), reinterpret_cast<cylfuse_part *>(parts), capacity,
+                                              count);
+        });
+    }
     /** The two limbs of the last fit in each view: where they were located in the image, or why they were not. */
     Returned<std::vector<Limb>> limbs() const
     {
         return list<Limb>([&](Limb *out, std::size_t capacity, std::size_t *count) {
             return cylfuse_fitter_limbs(handle(), out, sizeof(Limb), capacity, count);
+        });
+    }
+    /** Writes what limbs() gives, and gives the number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> limbs(Span<Limb> out) const
+    {
+        return write(out, [&](Limb *limbs, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_limbs(handle(), limbs, sizeof(Limb), capacity, count);
         });
     }
     /** What the last fit saw of the limbs in the image of the selected view. */
@@ -334,16 +365,24 @@ public:
     /** Writes what limb_samples() gives, and gives the number; Error::needed() when there is not room enough. */
     Returned<std::size_t> limb_samples(Span<LimbSample> out) const
     {
-        std::size_t count = 0;
-        const cylfuse_status status =
-            cylfuse_fitter_limb_samples(begin(), out.data(), sizeof(LimbSample), out.size(), &count);
-        return finish(status, count, count);
+        return write(out, [&](LimbSample *samples, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_limb_samples(handle(), samples, sizeof(LimbSample), capacity, count);
+        });
     }
     /** The samples on the arcs of both ends that extent() finds in the images, view after view. */
     Returned<std::vector<EndSample>> end_samples(Optional<Cylinder> model = {}, Optional<MaskView> mask = {}) const
     {
         return list<EndSample>([&](EndSample *out, std::size_t capacity, std::size_t *count) {
             return cylfuse_fitter_end_samples(handle(), model.get(), mask.get(), out, sizeof(EndSample), capacity,
+                                              count);
+        });
+    }
+    /** Writes what end_samples() gives, and gives the number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> end_samples(Span<EndSample> out, Optional<Cylinder> model = {},
+                                      Optional<MaskView> mask = {}) const
+    {
+        return write(out, [&](EndSample *samples, std::size_t capacity, std::size_t *count) {
+            return cylfuse_fitter_end_samples(handle(), model.get(), mask.get(), samples, sizeof(EndSample), capacity,
                                               count);
         });
     }
@@ -419,27 +458,6 @@ public:
     }
 
 private:
-    // A fitter whose call is still running stays, and so do the callbacks that it knows.
-    struct Destroy {
-        // The library keeps their addresses: they stay where they are when the fitter moves.
-        std::unique_ptr<ProgressCallback> progress;
-        std::unique_ptr<LogCallback> log;
-
-        void operator()(cylfuse_fitter *fitter) noexcept
-        {
-            if (cylfuse_fitter_destroy(fitter) != CYLFUSE_STATUS_OK) {
-                static_cast<void>(progress.release());
-                static_cast<void>(log.release());
-            }
-        }
-    };
-
-    // The fitter for a call that ends with one of the functions below.
-    cylfuse_fitter *begin() const noexcept
-    {
-        detail::forget();
-        return handle();
-    }
     // Completes into a vector: as many points as there are when packed, one a pixel when organised.
     template <class T, class Allocator>
     Returned<Completion> complete_into(std::vector<std::array<T, 3>, Allocator> &points, cylfuse_layout layout,
@@ -459,37 +477,6 @@ private:
         }
         return finish(status, completion);
     }
-    // What a function of the C interface lists, however much it is.
-    template <class T, class Call>
-    Returned<std::vector<T>> list(Call call) const
-    {
-        std::vector<T> all;
-        detail::forget();
-        const cylfuse_status status = internal::list(all, call);
-        return finish(status, std::move(all));
-    }
-
-    const char *message(cylfuse_status status) const noexcept
-    {
-        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_fitter_last_error(handle());
-    }
-    Returned<void> finish(cylfuse_status status) const { return finish_sized(status, 0); }
-    // Ends a call that writes into a buffer that must hold that many elements.
-    Returned<void> finish_sized(cylfuse_status status, std::size_t needed) const
-    {
-        detail::rethrow();
-        const bool too_small = status == CYLFUSE_STATUS_BUFFER_TOO_SMALL;
-        return detail::finish(Status(status), message(status), too_small ? needed : 0);
-    }
-    template <class T>
-    Returned<T> finish(cylfuse_status status, T value, std::size_t needed = 0) const
-    {
-        detail::rethrow();
-        const bool too_small = status == CYLFUSE_STATUS_BUFFER_TOO_SMALL;
-        return detail::finish(Status(status), std::move(value), message(status), too_small ? needed : 0);
-    }
-
-    std::unique_ptr<cylfuse_fitter, Destroy> handle_;
 };
 
 } // inline namespace

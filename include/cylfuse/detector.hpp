@@ -19,12 +19,12 @@ inline namespace with_exceptions {
 
 /**
  * Finds all cylinders of a frame or a cloud and fits each. Set the options, detect, read what was found: by index from
- * 0, the highest score first. The next call of detect() that succeeds takes its place.
+ * 0, the highest score first. The next call of detect() or detect_points() that succeeds takes its place.
  *
  * Moves but does not copy. A detector that was moved from holds nothing: all its calls fail with Status::NullPointer.
  * The callback may throw: the exception leaves the method that it was called from.
  */
-class Detector {
+class Detector : detail::Handle<cylfuse_detector, detail::DestroyDetector, cylfuse_detector_last_error> {
 public:
 #ifndef CYLFUSE_NO_EXCEPTIONS
     /** A detector with default options. */
@@ -38,7 +38,7 @@ public:
         return detail::finish_call(status, Detector(made));
     }
     /** Takes over a detector of the C interface, which has no callback; NULL for one that holds nothing. */
-    explicit Detector(cylfuse_detector *detector) noexcept : handle_(detector) {}
+    explicit Detector(cylfuse_detector *detector) noexcept : Handle(detector) {}
 
     /** The detector for functions of the C interface; stays owned. */
     cylfuse_detector *handle() const noexcept { return handle_.get(); }
@@ -50,7 +50,7 @@ public:
      */
     cylfuse_detector *release() noexcept
     {
-        Destroy &callbacks = handle_.get_deleter();
+        detail::DestroyDetector &callbacks = handle_.get_deleter();
         if (callbacks.progress && cylfuse_detector_set_progress(handle(), nullptr, nullptr) == CYLFUSE_STATUS_BUSY) {
             return nullptr;
         }
@@ -69,7 +69,7 @@ public:
     Returned<DetectorOptions> options() const
     {
         DetectorOptions options;
-        const cylfuse_status status = cylfuse_detector_get_options(handle(), &options);
+        const cylfuse_status status = cylfuse_detector_get_options(begin(), &options);
         return finish(status, options);
     }
     /** Replaces the options of the fits; limits, threads and start stay at their defaults there. */
@@ -81,7 +81,7 @@ public:
     Returned<Options> fit_options() const
     {
         Options options;
-        const cylfuse_status status = cylfuse_detector_get_fit_options(handle(), &options);
+        const cylfuse_status status = cylfuse_detector_get_fit_options(begin(), &options);
         return finish(status, options);
     }
     /** Sets the progress callback; an empty one takes it away. When busy as Fitter::set_progress(). */
@@ -92,7 +92,7 @@ public:
             made.reset(new DetectionCallback(std::move(callback)));
         }
         const cylfuse_detection_progress_fn function =
-            made ? detail::on_progress<DetectionCallback, DetectionProgress> : nullptr;
+            made ? detail::on_progress<DetectionCallback, cylfuse_detection_progress> : nullptr;
         const cylfuse_status status = cylfuse_detector_set_progress(begin(), function, made.get());
         if (status == CYLFUSE_STATUS_OK) {
             handle_.get_deleter().progress = std::move(made);
@@ -119,7 +119,7 @@ public:
     Returned<std::size_t> count() const
     {
         std::size_t count = 0;
-        const cylfuse_status status = cylfuse_detector_count(handle(), &count);
+        const cylfuse_status status = cylfuse_detector_count(begin(), &count);
         return finish(status, count);
     }
     /**
@@ -129,7 +129,7 @@ public:
     Returned<bool> is_complete() const
     {
         std::int32_t complete = 0;
-        const cylfuse_status status = cylfuse_detector_is_complete(handle(), &complete);
+        const cylfuse_status status = cylfuse_detector_is_complete(begin(), &complete);
         return finish(status, complete != 0);
     }
     /**
@@ -140,7 +140,7 @@ public:
     Returned<std::array<std::int32_t, 2>> depth_moved() const
     {
         std::array<std::int32_t, 2> moved{};
-        const cylfuse_status status = cylfuse_detector_depth_moved(handle(), &moved[0], &moved[1]);
+        const cylfuse_status status = cylfuse_detector_depth_moved(begin(), &moved[0], &moved[1]);
         return finish(status, moved);
     }
     /** The cylinders by falling score. */
@@ -150,21 +150,28 @@ public:
             return cylfuse_detector_detections(handle(), out, sizeof(Detection), capacity, count);
         });
     }
+    /** Writes what detections() gives, and gives the number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> detections(Span<Detection> out) const
+    {
+        return write(out, [&](Detection *found, std::size_t capacity, std::size_t *count) {
+            return cylfuse_detector_detections(handle(), found, sizeof(Detection), capacity, count);
+        });
+    }
     /** The outcome of the fit of a cylinder. */
     Returned<CylinderFit> fit(std::size_t index) const
     {
         CylinderFit fit;
-        cylfuse_status status = cylfuse_detector_get_result(handle(), index, &fit.result);
+        cylfuse_status status = cylfuse_detector_get_result(begin(), index, &fit.result);
         if (status == CYLFUSE_STATUS_OK) {
             status = cylfuse_detector_get_cylinder(handle(), index, &fit.cylinder);
         }
         return finish(status, fit);
     }
-    /** The visible piece of a cylinder of a frame. */
+    /** The visible piece of a cylinder; that of a cylinder of a cloud ends with its points. */
     Returned<Extent> extent(std::size_t index) const
     {
         Extent extent;
-        const cylfuse_status status = cylfuse_detector_get_extent(handle(), index, &extent);
+        const cylfuse_status status = cylfuse_detector_get_extent(begin(), index, &extent);
         return finish(status, extent);
     }
     /** For each pixel or point, row by row, the number of its cylinder: its index + 1, 0 for none. */
@@ -177,9 +184,9 @@ public:
     /** Writes what labels() gives, and gives the number; Error::needed() when there is not room enough. */
     Returned<std::size_t> labels(Span<std::uint16_t> out) const
     {
-        std::size_t count = 0;
-        const cylfuse_status status = cylfuse_detector_labels(handle(), out.data(), out.size(), &count);
-        return finish(status, count, count);
+        return write(out, [&](std::uint16_t *labels, std::size_t capacity, std::size_t *count) {
+            return cylfuse_detector_labels(handle(), labels, capacity, count);
+        });
     }
     /** The pixels or points of a cylinder, counted from 0 row by row. */
     Returned<std::vector<std::uint32_t>> indices(std::size_t index) const
@@ -188,60 +195,20 @@ public:
             return cylfuse_detector_indices(handle(), index, out, capacity, count);
         });
     }
+    /** Writes what indices() gives, and gives the number; Error::needed() when there is not room enough. */
+    Returned<std::size_t> indices(std::size_t index, Span<std::uint32_t> out) const
+    {
+        return write(out, [&](std::uint32_t *indices, std::size_t capacity, std::size_t *count) {
+            return cylfuse_detector_indices(handle(), index, indices, capacity, count);
+        });
+    }
     /** A fitter of a cylinder as its fit left it: for residuals, completion, limbs, or another fit. */
     Returned<Fitter> make_fitter(std::size_t index) const
     {
         cylfuse_fitter *made = nullptr;
-        const cylfuse_status status = cylfuse_detector_make_fitter(handle(), index, &made);
+        const cylfuse_status status = cylfuse_detector_make_fitter(begin(), index, &made);
         return finish(status, Fitter(made));
     }
-
-private:
-    // A detector whose call is still running stays, and so does the callback that it knows.
-    struct Destroy {
-        // The library keeps its address: it stays where it is when the detector moves.
-        std::unique_ptr<DetectionCallback> progress;
-
-        void operator()(cylfuse_detector *detector) noexcept
-        {
-            if (cylfuse_detector_destroy(detector) != CYLFUSE_STATUS_OK) {
-                static_cast<void>(progress.release());
-            }
-        }
-    };
-
-    // The detector for a call that ends with finish(status), the only ones that call back.
-    cylfuse_detector *begin() const noexcept
-    {
-        detail::forget();
-        return handle();
-    }
-    // What a function of the C interface lists, however much it is.
-    template <class T, class Call>
-    Returned<std::vector<T>> list(Call call) const
-    {
-        std::vector<T> all;
-        const cylfuse_status status = internal::list(all, call);
-        return finish(status, std::move(all));
-    }
-
-    const char *message(cylfuse_status status) const noexcept
-    {
-        return status == CYLFUSE_STATUS_OK ? "" : cylfuse_detector_last_error(handle());
-    }
-    Returned<void> finish(cylfuse_status status) const
-    {
-        detail::rethrow();
-        return detail::finish(Status(status), message(status));
-    }
-    template <class T>
-    Returned<T> finish(cylfuse_status status, T value, std::size_t needed = 0) const
-    {
-        const bool too_small = status == CYLFUSE_STATUS_BUFFER_TOO_SMALL;
-        return detail::finish(Status(status), std::move(value), message(status), too_small ? needed : 0);
-    }
-
-    std::unique_ptr<cylfuse_detector, Destroy> handle_;
 };
 
 } // inline namespace

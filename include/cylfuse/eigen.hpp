@@ -77,6 +77,10 @@ inline Intrinsics intrinsics(const Eigen::Matrix3d &camera_matrix, std::uint32_t
 /**
  * Points in the columns of a column-major matrix of 3 or 4 rows (x y z, and one that is not read), or in the rows of
  * a row-major one of 3 or 4 columns. Blocks and maps with strides pass too, as long as x, y, z are adjacent.
+ *
+ * The view points to the coefficients, which must stay. Of a matrix that is about to vanish there is none; but of a block or a
+ * map nobody can tell whose coefficients they are: `points_view(Eigen::Matrix3Xd(2 * a).leftCols(5))` compiles, and points to
+ * what is gone.
  */
 template <class Derived>
 PointsView points_view(const Eigen::DenseBase<Derived> &matrix)
@@ -93,9 +97,9 @@ PointsView points_view(const Eigen::DenseBase<Derived> &matrix)
     return PointsView(points.data(), static_cast<std::size_t>(points.size() / across), 1, stride);
 }
 
-/** Would point to points that are gone. */
-template <class Scalar, int Rows, int Columns, int Options, int MaxRows, int MaxColumns>
-PointsView points_view(const Eigen::Matrix<Scalar, Rows, Columns, Options, MaxRows, MaxColumns> &&matrix) = delete;
+/** Would point to points that are gone: those of a matrix or an array, not of a block or a map. */
+template <class Derived>
+PointsView points_view(const Eigen::PlainObjectBase<Derived> &&matrix) = delete;
 
 /** Points in a vector of Eigen::Vector3f, Vector3d, Vector4f or Vector4d, of which x, y, z are read. */
 template <class Scalar, int Rows, int Options, class Allocator>

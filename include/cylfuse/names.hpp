@@ -2,8 +2,8 @@
 
 /**
  * @file names.hpp
- * The version of the library, and constants as text: to_string() gives the name, describe() the name and what it means.
- * Include cylfuse.hpp.
+ * The version of the library, and constants as text: to_string() gives the name of any, describe() of those of errors and
+ * results the name and what it means. Include cylfuse.hpp.
  */
 
 #ifndef CYLFUSE_NAMES_HPP
@@ -11,7 +11,9 @@
 
 #include <cylfuse/enums.hpp>
 
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -77,6 +79,15 @@ namespace internal {
 // What comes before the colon of a text.
 inline std::string name(const std::string &text) { return text.substr(0, text.find(':')); }
 
+// One of the names of constants whose numbers go up by 1 from the first one on.
+template <class Constant>
+std::string name(Constant constant, Constant first, std::initializer_list<const char *> names)
+{
+    const std::int64_t place = static_cast<std::int64_t>(constant) - static_cast<std::int64_t>(first);
+    const bool known = place >= 0 && place < static_cast<std::int64_t>(names.size());
+    return known ? names.begin()[static_cast<std::size_t>(place)] : "unknown";
+}
+
 } // namespace internal
 /** @endcond */
 
@@ -100,6 +111,91 @@ inline std::string to_string(ResultFlags flags)
         names += (names.empty() ? "" : ", ") + internal::name(warning);
     }
     return names;
+}
+/** The name of how a cylinder is estimated, such as "FUSED". */
+inline std::string to_string(Method method)
+{
+    return internal::name(method, Method::Fused, {"FUSED", "POINTS", "RANSAC", "EBERLY"});
+}
+/** The name of what is minimised, such as "ROBUST". */
+inline std::string to_string(Objective objective)
+{
+    return internal::name(objective, Objective::Robust, {"ROBUST", "PAPER"});
+}
+/** The name of where an iteration starts or started, such as "LIMBS". */
+inline std::string to_string(Start start)
+{
+    return internal::name(start, Start::Auto, {"AUTO", "LIMBS", "MOMENTS", "RANSAC", "MODEL", "LAST"});
+}
+/** The name of whether the near-wall rule holds, such as "ON". */
+inline std::string to_string(NearWall rule) { return internal::name(rule, NearWall::Auto, {"AUTO", "ON", "OFF"}); }
+/** The name of the coordinates of an iteration, such as "LOCAL". */
+inline std::string to_string(Chart chart)
+{
+    return internal::name(chart, Chart::Auto, {"AUTO", "LOCAL", "ORTHONORMAL"});
+}
+/** The name of whether a detector looks at the image, such as "IGNORE". */
+inline std::string to_string(ImageUse use) { return internal::name(use, ImageUse::Auto, {"AUTO", "IGNORE"}); }
+/** The name of what given edge segments are, such as "AS_GIVEN". */
+inline std::string to_string(EdgeUse use) { return internal::name(use, EdgeUse::Refine, {"REFINE", "AS_GIVEN"}); }
+/** The name of how ends are found, such as "LOCATED". */
+inline std::string to_string(ExtentRule rule)
+{
+    return internal::name(rule, ExtentRule::Auto, {"AUTO", "EXTREMES", "LOCATED"});
+}
+/** The name of the distortion of a lens, such as "BROWN_CONRADY". */
+inline std::string to_string(Distortion model)
+{
+    return internal::name(model, Distortion::None, {"NONE", "BROWN_CONRADY", "KANNALA_BRANDT"});
+}
+/** The name of how a depth is stored, such as "U16". */
+inline std::string to_string(DepthFormat format)
+{
+    return internal::name(format, DepthFormat::U16, {"U16", "F32"});
+}
+/** The name of how a pixel of an image is stored, such as "BGR8". */
+inline std::string to_string(ImageFormat format)
+{
+    return internal::name(format, ImageFormat::U8, {"U8", "U16", "F32", "RGB8", "BGR8", "RGBA8", "BGRA8"});
+}
+/** The names of all data of a view that are set, separated by ", ", such as "DEPTH, IMAGE"; empty for none. */
+inline std::string to_string(Input inputs)
+{
+    const auto bits = static_cast<cylfuse_input>(inputs);
+    std::string names;
+    for (int bit = 0; bit < 32; ++bit) {
+        if ((bits & (cylfuse_input(1) << bit)) != 0) {
+            names += (names.empty() ? "" : ", ") + internal::name(bit, 0, {"POINTS", "DEPTH", "EDGES", "IMAGE"});
+        }
+    }
+    return names;
+}
+/** The name of what a fit is doing, such as "SOLVE". */
+inline std::string to_string(Phase phase) { return internal::name(phase, Phase::Start, {"START", "SOLVE"}); }
+/** The name of what a detector is doing, such as "SEARCH". */
+inline std::string to_string(DetectionPhase phase)
+{
+    return internal::name(phase, DetectionPhase::Search, {"SEARCH", "FIT"});
+}
+/** The name of how much a log line matters, such as "WARNING". */
+inline std::string to_string(LogLevel level)
+{
+    return internal::name(level, LogLevel::Off, {"OFF", "ERROR", "WARNING", "INFO", "DEBUG"});
+}
+/** The name of which residuals are listed, such as "EDGES". */
+inline std::string to_string(ResidualKind kind)
+{
+    return internal::name(kind, ResidualKind::Points, {"POINTS", "EDGES"});
+}
+/** The name of what a measurement says about a tolerance, such as "CONFORMING". */
+inline std::string to_string(Conformity conformity)
+{
+    return internal::name(conformity, Conformity::Undecided, {"UNDECIDED", "CONFORMING", "NOT_CONFORMING"});
+}
+/** The name of how points are arranged, such as "ORGANISED". */
+inline std::string to_string(Layout layout)
+{
+    return internal::name(layout, Layout::Packed, {"PACKED", "ORGANISED"});
 }
 
 } // namespace cylfuse

@@ -24,11 +24,13 @@ inline namespace with_exceptions {
  * Only points with the indices that were set take part, if there are any. It is looked at from where
  * one sensor has seen it, in its origin or where the densities of the points tell; other clouds are looked at from all
  * sides, which takes about ten times as long.
- * With setIntrinsics the cloud must be organised and in the frame of that camera: pixel
- * and point go together then, ends are found, and with setImage the limbs are located in the image.
+ * The ends of each cylinder are those of its points. With setIntrinsics the cloud must be organised and in the frame of
+ * that camera: pixel and point go together then, its pixels tell where the ends are, and with setImage the limbs are located
+ * in the image.
  *
  * Where it cannot search `segment` does what PCL does: it prints why and leaves its outputs empty. getError() has the
- * status and the text. A scene without any cylinder is no error.
+ * status and the text. A scene without any cylinder is no error. What a callback throws leaves `segment`, unless it is a
+ * cylfuse::Error, which is such an error.
  *
  * @tparam PointT any type of points with float x, y, z
  */
@@ -41,13 +43,32 @@ public:
     void setOptions(const DetectorOptions &options) { options_ = options; }
     /** The settings of the search. */
     const DetectorOptions &getOptions() const { return options_; }
+    /** The settings of the fits, such as the noise of the depth; limits, start and threads stay at their defaults there. */
+    void setFitOptions(const Options &options) { fit_options_ = options; }
+    /** The settings of the fits. */
+    const Options &getFitOptions() const { return fit_options_; }
+    /**
+     * The callback for the progress of `segment`; an empty one takes it away. During `segment` it throws an Error with
+     * Status::Busy, and the earlier callback stays.
+     */
+    void setProgress(DetectionCallback callback) { detector_.set_progress(std::move(callback)); }
+    /**
+     * Asks the search and the fits of a `segment` that is running to stop, from any thread and from the callback: its outputs
+     * are empty then, and the status of getError() is Status::Cancelled. While nothing is searched it does nothing.
+     */
+    void cancel() { detector_.cancel(); }
     /** The camera in whose frame and pixels the organised cloud is. */
     void setIntrinsics(const cylfuse_intrinsics &intrinsics)
     {
         static_cast<cylfuse_intrinsics &>(intrinsics_) = intrinsics;
         has_intrinsics_ = true;
     }
-    /** The image of that camera, in which the limbs are located; must stay until `segment`. An empty view for none. */
+    /** Takes the camera away: the cloud is searched as one without. */
+    void clearIntrinsics() { has_intrinsics_ = false; }
+    /**
+     * The image of that camera, in which the limbs are located; must stay until `segment`. Without setIntrinsics nothing
+     * looks at it. An empty view, `setImage({})`, takes it away.
+     */
     void setImage(const ImageView &image) { image_ = image; }
 
     /**
@@ -86,7 +107,10 @@ public:
 
     /** Why the last `segment` could not search; its status is Status::Ok when it could. */
     const Error &getError() const { return error_; }
-    /** The detector with what the last `segment` found: scores, deviations, ends, fitters. */
+    /**
+     * The detector with what the last `segment` that could search found: scores, deviations, ends, fitters. After one that
+     * could not it still has the scene before.
+     */
     const Detector &getDetector() const { return detector_; }
 
 private:
@@ -105,6 +129,7 @@ private:
             used[std::size_t(index)] = 1.0F;
         }
         detector_.set_options(options_);
+        detector_.set_fit_options(fit_options_);
         if (has_intrinsics_) {
             detector_.detect(frame(used));
         } else {
@@ -141,6 +166,7 @@ private:
     }
 
     DetectorOptions options_;
+    Options fit_options_;
     Intrinsics intrinsics_;
     bool has_intrinsics_ = false;
     ImageView image_;

@@ -161,11 +161,22 @@ public:
         static_cast<cylfuse_intrinsics &>(intrinsics_) = intrinsics;
         has_intrinsics_ = true;
     }
-    /** The image of the camera, in which the limbs are located; must stay until `segment`. An empty view for none. */
+    /**
+     * Takes the camera away; image and edges, which need it, go by `setImage({})` and `setEdges({})`. The next `segment`
+     * begins with another fitter: callbacks that getFitter() was given are gone then.
+     */
+    void clearIntrinsics() { has_intrinsics_ = false; }
+    /**
+     * The image of the camera, in which the limbs are located; must stay until `segment`. An empty view, `setImage({})`,
+     * takes it away.
+     */
     void setImage(const ImageView &image) { image_ = image; }
-    /** Pieces of the two limb lines in the image: x1 y1 x2 y2 in pixels each. */
+    /** Pieces of the two limb lines in the image: x1 y1 x2 y2 in pixels each. `setEdges({})` takes them away. */
     void setEdges(std::vector<std::array<double, 4>> edges) { edges_ = std::move(edges); }
-    /** The pixels of an organised cloud that show the cylinder; must stay until `segment`. An empty view for none. */
+    /**
+     * The pixels of an organised cloud that show the cylinder; must stay until `segment`. An empty view, `setMask({})`, takes
+     * them away.
+     */
     void setMask(const MaskView &mask) { mask_ = mask; }
 
     /**
@@ -211,7 +222,10 @@ public:
     bool isAtLimit() const { return fit_.result.has(ResultFlags::RadiusAtLimit | ResultFlags::AxisAtLimit); }
     /** What the last `segment` that gave something found, with the numbers to judge it. */
     const CylinderFit &getResult() const { return fit_; }
-    /** The fitter with the data of the last `segment`: for extent, completion, weights of the points, limbs. */
+    /**
+     * The fitter with the data of the last `segment`: for extent, completion, weights of the points, limbs. After one that gave
+     * nothing it may hold some of the data, or those before.
+     */
     Fitter &getFitter() { return fitter_; }
     /** The fitter with the data of the last `segment`. */
     const Fitter &getFitter() const { return fitter_; }
@@ -255,9 +269,14 @@ private:
     {
         detail::check_cloud(*Points::input_);
         Points::initCompute(); // Without indices of the user it makes those of all points, as in PCL.
+        if (fitter_has_intrinsics_ && !has_intrinsics_) {
+            fitter_ = Fitter(); // Nothing takes the camera of a fitter away.
+            fitter_has_intrinsics_ = false;
+        }
         fitter_.clear();
         if (has_intrinsics_) {
             fitter_.set_intrinsics(intrinsics_);
+            fitter_has_intrinsics_ = true;
         }
         selected_ = Points::indices_;
         if (mask_.data != nullptr) {
@@ -396,6 +415,7 @@ private:
     Options options_;
     Intrinsics intrinsics_;
     bool has_intrinsics_ = false;
+    bool fitter_has_intrinsics_ = false;
     ImageView image_;
     MaskView mask_;
     std::vector<std::array<double, 4>> edges_;

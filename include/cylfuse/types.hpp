@@ -17,6 +17,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 #if __cplusplus >= 201703L
@@ -28,13 +29,47 @@ namespace cylfuse {
 /** An infinite cylinder: point on the axis, direction, radius; the order of PCL's coefficients. */
 using Cylinder = cylfuse_cylinder;
 
-/** The state of a running fit, before each iteration. */
-using Progress = cylfuse_progress;
+/** @cond internal */
+namespace internal {
+
+// Copies what a library says: an older one knows fewer fields than this header, a newer one more.
+template <class State>
+void copy_known(State &to, const State &from) noexcept
+{
+    // 0 where a program made the struct.
+    const bool whole = from.struct_size == 0 || from.struct_size > sizeof(State);
+    const std::size_t size = whole ? sizeof(State) : from.struct_size;
+    std::memcpy(&to, &from, size);
+    to.struct_size = static_cast<std::uint32_t>(size);
+}
+
+} // namespace internal
+/** @endcond */
+
+/** The state of a running fit, before each iteration, and the last one again between the other steps of the fit. */
+struct Progress : cylfuse_progress {
+    /** All 0. */
+    Progress() noexcept : cylfuse_progress{} {}
+    /** What the library says; the cylinder is not copied. */
+    Progress(const cylfuse_progress &state) noexcept : Progress() { internal::copy_known<cylfuse_progress>(*this, state); }
+    /** What the fit is doing; `phase` has its number. */
+    Phase current_phase() const noexcept { return Phase(phase); }
+};
 
 /** How far a detector is. */
-using DetectionProgress = cylfuse_detection_progress;
+struct DetectionProgress : cylfuse_detection_progress {
+    /** All 0. */
+    DetectionProgress() noexcept : cylfuse_detection_progress{} {}
+    /** What the library says. */
+    DetectionProgress(const cylfuse_detection_progress &state) noexcept : DetectionProgress()
+    {
+        internal::copy_known<cylfuse_detection_progress>(*this, state);
+    }
+    /** What the detector is doing; `phase` has its number. */
+    DetectionPhase current_phase() const noexcept { return DetectionPhase(phase); }
+};
 
-/** A cylinder of a scene: score, pixels of its region, the cylinder that was fitted. */
+/** A cylinder of a scene: score, how many pixels or points it has, the cylinder that was fitted. */
 using Detection = cylfuse_detection;
 
 /** What a short piece of a limb in the image says. */

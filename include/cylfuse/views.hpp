@@ -81,6 +81,11 @@ public:
     constexpr Span(Container &container) noexcept : data_(container.data()), size_(container.size())
     {
     }
+    /** The same elements, to be read only. */
+    template <class Other, class = typename std::enable_if<std::is_same<const Other, T>::value>::type>
+    constexpr Span(const Span<Other> &other) noexcept : data_(other.data()), size_(other.size())
+    {
+    }
     /** The first element. */
     constexpr T *data() const noexcept { return data_; }
     /** How many elements there are. */
@@ -118,6 +123,11 @@ struct PointsView : cylfuse_points_view {
     {
     }
     /** Packed points. */
+    template <class T>
+    PointsView(Span<std::array<T, 3>> points) noexcept : PointsView(Span<const std::array<T, 3>>(points))
+    {
+    }
+    /** Packed points. */
     template <class T, class Allocator>
     PointsView(const std::vector<std::array<T, 3>, Allocator> &points) noexcept
         : PointsView(reinterpret_cast<const T *>(points.data()), points.size())
@@ -126,6 +136,15 @@ struct PointsView : cylfuse_points_view {
     /** Would point to points that are gone. */
     template <class T, class Allocator>
     PointsView(const std::vector<std::array<T, 3>, Allocator> &&points) = delete;
+    /** Packed points. */
+    template <class T, std::size_t N>
+    PointsView(const std::array<std::array<T, 3>, N> &points) noexcept
+        : PointsView(reinterpret_cast<const T *>(points.data()), points.size())
+    {
+    }
+    /** Would point to points that are gone. */
+    template <class T, std::size_t N>
+    PointsView(const std::array<std::array<T, 3>, N> &&points) = delete;
 };
 
 /** A depth image in the caller's memory. */
@@ -222,6 +241,17 @@ struct SegmentsView : cylfuse_segments_view {
         data = x1;
         count = number;
         segment_stride = stride;
+    }
+    /** Packed segments. */
+    template <class T>
+    SegmentsView(Span<const std::array<T, 4>> segments) noexcept
+        : SegmentsView(reinterpret_cast<const T *>(segments.data()), segments.size())
+    {
+    }
+    /** Packed segments. */
+    template <class T>
+    SegmentsView(Span<std::array<T, 4>> segments) noexcept : SegmentsView(Span<const std::array<T, 4>>(segments))
+    {
     }
     /** Packed segments. */
     template <class T, class Allocator>

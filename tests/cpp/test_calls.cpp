@@ -2,6 +2,7 @@
 #include "check.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 
 using Points = std::vector<std::array<double, 3>>;
@@ -17,6 +18,13 @@ static void constants_have_names()
     CHECK(cylfuse::to_string(cylfuse::LimbStatus::NoEdge) == "NO_EDGE");
     CHECK(cylfuse::to_string(cylfuse::Part::InnerWall) == "INNER_WALL");
     CHECK(cylfuse::to_string(cylfuse::EndState(99)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::CylinderEstimate().start_kind()) == "AUTO");
+    CHECK(cylfuse::to_string(cylfuse::Start::Last) == "LAST" && cylfuse::to_string(cylfuse::Start(-1)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::Conformity::NotConforming) == "NOT_CONFORMING");
+    CHECK(cylfuse::to_string(cylfuse::Conformity(3)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::Phase::Start) == "START" && cylfuse::to_string(cylfuse::Phase(0)) == "unknown");
+    CHECK(cylfuse::to_string(cylfuse::Input::Depth | cylfuse::Input::Image) == "DEPTH, IMAGE");
+    CHECK(cylfuse::to_string(cylfuse::Input(0)).empty() && cylfuse::to_string(cylfuse::Input(17)) == "POINTS, unknown");
     CHECK(std::string(cylfuse::describe(cylfuse::EndState::Seen)) == "SEEN: the surface ends there");
     CHECK(std::string(cylfuse::describe(cylfuse::Part::Cap)).find("CAP: ") == 0);
     CHECK(std::string(cylfuse::describe(cylfuse::ResultFlags::WeakRadius)).find("WEAK_RADIUS: ") == 0);
@@ -84,6 +92,28 @@ static void exceptions_leave_the_call_that_they_came_from()
     CHECK(thrown == (lines > 0 ? "from the log" : ""));
 }
 
+// Callbacks of the struct of C still serve, and of a library that knows fewer fields no more are read.
+static void progress_is_that_of_c()
+{
+    const Points points = some_points();
+    cylfuse::Fitter fitter;
+    fitter.push_points(points);
+    int solves = 0;
+    fitter.set_progress([&](const cylfuse_progress &progress) { return progress.phase != CYLFUSE_PHASE_SOLVE || ++solves > 0; });
+    fitter.fit();
+    CHECK(solves > 0);
+    cylfuse_progress state{};
+    state.phase = CYLFUSE_PHASE_SOLVE;
+    state.cost = 7.0;
+    CHECK(cylfuse::Progress(state).cost == 7.0);
+    state.struct_size = offsetof(cylfuse_progress, cost);
+    const cylfuse::Progress older(state);
+    CHECK(older.current_phase() == cylfuse::Phase::Solve && older.phase == 2 && older.cost == 0.0);
+    CHECK(older.struct_size == state.struct_size);
+    state.struct_size = 1000;
+    CHECK(cylfuse::Progress(state).cost == 7.0 && cylfuse::Progress(state).struct_size == sizeof(cylfuse_progress));
+}
+
 template <class Statement>
 static std::size_t needed_by(Statement statement)
 {
@@ -120,6 +150,17 @@ static void small_buffers_say_what_is_needed()
     detector.detect_points(points);
     std::uint16_t labels[3];
     CHECK(needed_by([&] { detector.labels(labels); }) == points.size());
+
+    cylfuse::Part part[1];
+    cylfuse::Limb limb[1];
+    cylfuse::Span<cylfuse::EndSample> no_samples;
+    CHECK(needed_by([&] { fitter.point_weights(doubles, bytes); }) == used);
+    CHECK(needed_by([&] { fitter.point_weights(doubles); }) == used);
+    CHECK(needed_by([&] { fitter.point_weights({}, bytes); }) == used);
+    CHECK(needed_by([&] { fitter.point_weights({}); }) == used);
+    CHECK(needed_by([&] { fitter.point_parts(part); }) == used);
+    CHECK(needed_by([&] { fitter.limbs(limb); }) == 2);
+    CHECK(needed_by([&] { fitter.end_samples(no_samples); }) == fitter.end_samples().size());
 }
 
 static void a_failed_completion_leaves_the_points()
@@ -178,6 +219,10 @@ static void data_may_vanish_after_the_call()
     fitter.push_edges(std::vector<std::array<double, 4>>(scene.edges));
     fitter.push_edges(std::array<std::array<float, 4>, 1>{{{{1.0F, 2.0F, 3.0F, 40.0F}}}});
     CHECK(fitter.counts().segments_given == 3);
+    fitter.push_points(std::array<std::array<float, 3>, 2>{{{{1.0F, 2.0F, 3.0F}}, {{1.0F, 2.0F, 4.0F}}}});
+    CHECK(fitter.counts().points_given == 402);
+    fitter.push_edges(cylfuse::Span<const std::array<double, 4>>(scene.edges));
+    CHECK(fitter.counts().segments_given == 5);
     std::vector<double> distances(200);
     cylfuse::distances(PIPE, some_points(), distances);
     CHECK(std::all_of(distances.begin(), distances.end(), [](double d) { return std::abs(d) < 1e-9; }));
@@ -209,6 +254,7 @@ int main()
 {
     constants_have_names();
     exceptions_leave_the_call_that_they_came_from();
+    progress_is_that_of_c();
     small_buffers_say_what_is_needed();
     a_failed_completion_leaves_the_points();
     the_version_is_that_of_the_header();

@@ -22,6 +22,10 @@ static void everything_goes_together()
     for (std::size_t index = 0; index < 2; ++index) {
         const std::vector<std::uint32_t> indices = detector.indices(index);
         CHECK(indices.size() == found[index].pixels);
+        std::vector<std::uint32_t> same(indices.size() + 5);
+        CHECK(detector.indices(index, same) == indices.size());
+        same.resize(indices.size());
+        CHECK(same == indices);
         for (const std::uint32_t k : indices) {
             CHECK(labels[k] == index + 1);
         }
@@ -36,6 +40,8 @@ static void everything_goes_together()
         std::vector<std::array<double, 3>> completed;
         CHECK(fitter.complete(completed).count > indices.size() / 2);
     }
+    std::array<cylfuse::Detection, 3> same;
+    CHECK(detector.detections(same) == 2 && same[1].score == found[1].score && same[1].model.radius == found[1].model.radius);
     std::vector<std::uint16_t> some(7);
     std::size_t needed = 0;
     try {
@@ -48,6 +54,16 @@ static void everything_goes_together()
     some.resize(needed);
     CHECK(detector.labels(some) == needed && some == labels);
     CHECK_ERROR(detector.indices(2), INVALID_ARGUMENT, "index is 2");
+    std::array<std::uint32_t, 1> index;
+    cylfuse::Detection one[1];
+    CHECK_ERROR(detector.indices(2, index), INVALID_ARGUMENT, "index is 2");
+    CHECK_ERROR(detector.indices(0, index), BUFFER_TOO_SMALL, "");
+    try {
+        detector.detections(one);
+    } catch (const cylfuse::Error &error) {
+        needed = error.needed();
+    }
+    CHECK(needed == 2);
     CHECK_ERROR(detector.fit(2), INVALID_ARGUMENT, "index is 2");
     CHECK_ERROR(detector.make_fitter(2), INVALID_ARGUMENT, "index is 2");
 
@@ -110,14 +126,18 @@ static void callbacks_and_moves()
     cylfuse::Detector first;
     int calls = 0;
     std::uint32_t fits = 0;
+    std::vector<cylfuse::DetectionPhase> phases;
     first.set_progress([&](const cylfuse::DetectionProgress &progress) {
         ++calls;
+        phases.push_back(progress.current_phase());
+        CHECK(progress.phase == std::int32_t(phases.back()) && progress.struct_size == sizeof(cylfuse_detection_progress));
         fits = progress.fits_done;
         CHECK_ERROR(first.set_progress(nullptr), BUSY, "busy");
         return true;
     });
     first.detect(frame);
     CHECK(calls >= 4 && fits >= 2);
+    CHECK(phases.front() == cylfuse::DetectionPhase::Search && phases.back() == cylfuse::DetectionPhase::Fit);
     first.set_progress([](const cylfuse::DetectionProgress &) { return false; });
     CHECK_ERROR(first.detect(frame), CANCELLED, "cancelled");
     CHECK(first.count() == 2);

@@ -3,6 +3,18 @@
 
 #include <cylfuse/eigen.hpp>
 
+// Whether there is a view of it.
+template <class Points, class = void>
+struct HasView : std::false_type {};
+template <class Points>
+struct HasView<Points, decltype(void(cylfuse::points_view(std::declval<Points>())))> : std::true_type {};
+
+static_assert(HasView<Eigen::Matrix3Xd &>::value && HasView<const Eigen::Array3Xf &>::value, "stays");
+static_assert(!HasView<Eigen::Matrix3Xd>::value && !HasView<const Eigen::Matrix3Xd>::value, "a matrix that is gone");
+static_assert(!HasView<Eigen::Array3Xf>::value, "an array that is gone");
+static_assert(HasView<Eigen::Map<const Eigen::Matrix3Xd>>::value, "a map, whatever it points to");
+static_assert(!HasView<std::vector<Eigen::Vector3f>>::value, "a vector that is gone");
+
 static double radius(const cylfuse::PointsView &points)
 {
     cylfuse::Fitter fitter;

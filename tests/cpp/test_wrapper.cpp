@@ -18,6 +18,21 @@ static_assert(!std::is_constructible<cylfuse::PointsView, Points>::value, "a clo
 static_assert(std::is_constructible<cylfuse::SegmentsView, Segments &>::value, "segments that stay");
 static_assert(!std::is_constructible<cylfuse::SegmentsView, Segments>::value, "segments that are gone");
 static_assert(!std::is_constructible<cylfuse::SegmentsView, std::array<std::array<float, 4>, 2>>::value, "gone");
+static_assert(std::is_constructible<cylfuse::SegmentsView, cylfuse::Span<const std::array<float, 4>>>::value, "a span");
+static_assert(std::is_constructible<cylfuse::PointsView, cylfuse::Span<const std::array<float, 3>>>::value, "a span");
+static_assert(std::is_constructible<cylfuse::SegmentsView, cylfuse::Span<std::array<double, 4>>>::value, "a span to write");
+static_assert(std::is_constructible<cylfuse::PointsView, cylfuse::Span<std::array<double, 3>>>::value, "a span to write");
+static_assert(std::is_constructible<cylfuse::Span<const double>, cylfuse::Span<double>>::value, "to be read only");
+static_assert(!std::is_constructible<cylfuse::Span<double>, cylfuse::Span<const double>>::value, "not to be written");
+static_assert(std::is_constructible<cylfuse::PointsView, const std::array<std::array<double, 3>, 2> &>::value, "stays");
+static_assert(!std::is_constructible<cylfuse::PointsView, std::array<std::array<double, 3>, 2>>::value, "gone");
+template <class T>
+constexpr bool moves_only()
+{
+    return std::is_nothrow_move_constructible<T>::value && std::is_nothrow_move_assignable<T>::value &&
+           !std::is_copy_constructible<T>::value && !std::is_copy_assignable<T>::value;
+}
+static_assert(moves_only<cylfuse::Fitter>() && moves_only<cylfuse::Frame>() && moves_only<cylfuse::Detector>(), "");
 
 static void fits_and_applies()
 {
@@ -125,11 +140,27 @@ static void lists_come_whole()
     const cylfuse::PointWeights weights = fitter.point_weights();
     CHECK(weights.weights.size() == used && weights.inliers.size() == used);
     CHECK(weights.inliers[used / 2] == 1 && weights.weights[used / 2] > 0.0);
+    std::vector<double> only_weights(used);
+    std::vector<std::uint8_t> only_inliers(used + 3);
+    CHECK(fitter.point_weights(only_weights) == used && only_weights == weights.weights);
+    only_weights.assign(used, -1.0);
+    CHECK(fitter.point_weights({}, only_inliers) == used);
+    only_inliers.resize(used);
+    CHECK(only_inliers == weights.inliers);
+    only_inliers.assign(used, 7);
+    CHECK(fitter.point_weights(only_weights, only_inliers) == used);
+    CHECK(only_weights == weights.weights && only_inliers == weights.inliers);
+
     const std::vector<cylfuse::Part> parts = fitter.point_parts();
     CHECK(parts.size() == used && parts[used / 2] == cylfuse::Part::Body);
     CHECK(fitter.point_parts(PIPE).size() == used);
+    std::vector<cylfuse::Part> same_parts(used, cylfuse::Part::Behind);
+    CHECK(fitter.point_parts(same_parts) == used && same_parts == parts);
+    CHECK(fitter.point_parts(same_parts, PIPE) == used);
     const std::vector<cylfuse::Limb> limbs = fitter.limbs();
     CHECK(limbs.size() == 2 && limbs[1].limb == 1 && limbs[1].status() == cylfuse::LimbStatus::Located);
+    std::array<cylfuse::Limb, 3> same_limbs;
+    CHECK(fitter.limbs(same_limbs) == 2 && same_limbs[1].samples == limbs[1].samples);
     const std::vector<cylfuse::LimbSample> samples = fitter.limb_samples();
     CHECK(samples.size() == limbs[0].samples + limbs[1].samples && samples.size() > 4);
     cylfuse::LimbSample one[1];
@@ -141,9 +172,14 @@ static void lists_come_whole()
         needed = error.needed();
     }
     CHECK(needed == samples.size());
-    for (const cylfuse::EndSample &sample : fitter.end_samples()) {
+    const std::vector<cylfuse::EndSample> ends = fitter.end_samples();
+    for (const cylfuse::EndSample &sample : ends) {
         CHECK(sample.end < 2 && sample.deviation > 0.0);
     }
+    std::vector<cylfuse::EndSample> same_ends(ends.size() + 1);
+    CHECK(!ends.empty() && fitter.end_samples(same_ends) == ends.size());
+    CHECK(same_ends[0].pixel[0] == ends[0].pixel[0] && same_ends[ends.size() - 1].pixel[1] == ends.back().pixel[1]);
+    CHECK(fitter.end_samples({}, scene.mask_view()).size() == fitter.end_samples(same_ends, {}, scene.mask_view()));
 }
 
 // The same pipe from a second camera half a turn around it, and from a frame that two fitters share.
@@ -236,7 +272,14 @@ static void keeps_its_settings_and_moves()
     options.edge_noise = 0.25;
     first.set_options(options);
     int solves = 0;
-    first.set_progress([&](const cylfuse::Progress &) { return ++solves > 0; });
+    first.set_progress([&](const cylfuse::Progress &progress) {
+        // As a number and as a constant.
+        CHECK(progress.phase == CYLFUSE_PHASE_START || progress.current_phase() == cylfuse::Phase::Solve);
+        CHECK(progress.struct_size == sizeof(cylfuse_progress));
+        CHECK((progress.cylinder != nullptr) == (progress.current_phase() == cylfuse::Phase::Solve));
+        solves += progress.current_phase() == cylfuse::Phase::Solve && progress.max_iterations > 0;
+        return true;
+    });
     std::vector<std::string> lines;
     first.set_log(cylfuse::LogLevel::Info, [&](cylfuse::LogLevel, const char *line) { lines.push_back(line); });
 
