@@ -110,7 +110,8 @@ fn pipes_in_a_room_are_found_wherever_its_origin_is() {
         for pipe in &PIPES {
             assert_eq!(found(&scene, pipe, &offset).len(), 1, "{offset:?} {pipe:?}: {:?}", scene.cylinders);
         }
-        assert_eq!(scene.cylinders.len(), PIPES.len(), "{offset:?}: {:?}", scene.cylinders);
+        let bodies: Vec<&Cylinder> = scene.cylinders.iter().map(|found| &found.result.cylinder).collect();
+        assert_eq!(bodies.len(), PIPES.len(), "{offset:?}: {bodies:?}");
     }
 }
 
@@ -158,6 +159,70 @@ fn many_looks_give_the_same_bits_for_any_number_of_threads() {
     for (index, found) in one.cylinders.iter().enumerate() {
         assert_eq!(one.indices(index).count(), found.pixels);
     }
+}
+
+/// Trunks taper, lean and sway: each is a cylinder for a piece. The sky above them leaves half of what a scanner sees empty.
+#[test]
+fn trunks_around_a_scanner_are_found_by_pieces() {
+    /// Where it stands, its radius at the height of the scanner, and how it leans.
+    const TRUNKS: [([f64; 2], f64, [f64; 2]); 6] = [
+        ([3.0, 1.0], 0.12, [0.03, -0.02]),
+        ([-2.0, 4.0], 0.2, [-0.04, 0.01]),
+        ([-5.0, -2.0], 0.25, [0.02, 0.05]),
+        ([1.0, -6.0], 0.18, [0.0, 0.03]),
+        ([6.0, -4.0], 0.28, [-0.03, -0.03]),
+        ([5.0, 5.0], 0.22, [0.05, 0.0]),
+    ];
+    const STEP: f64 = 0.25;
+    let axis_at = |([x, y], _, [a, b]): &([f64; 2], f64, [f64; 2]), z: f64| {
+        let sway = 0.04 * (z / 3.0).sin();
+        [x + a * z + sway, y + b * z - sway]
+    };
+    let radius_at = |radius: f64, z: f64| radius - 0.008 * z;
+    let mut dice = Dice::new(27);
+    let mut points = Vec::new();
+    for turn in 0..(360.0 / STEP) as u32 {
+        for rise in 0..(100.0 / STEP) as u32 {
+            let [turn, rise] = [f64::from(turn) * STEP, f64::from(rise) * STEP - 45.0].map(f64::to_radians);
+            let ray = Vector3::new(turn.cos() * rise.cos(), turn.sin() * rise.cos(), rise.sin());
+            // The floor is 1.6 m below; each trunk is met where its section at the height of the ray is.
+            let floor = if ray.z < 0.0 { -1.6 / ray.z } else { f64::INFINITY };
+            let trunk = |trunk: &([f64; 2], f64, [f64; 2])| {
+                let (mut far, across) = (f64::INFINITY, ray.xy().norm_squared());
+                let mut z = 0.0;
+                for _ in 0..6 {
+                    let [x, y] = axis_at(trunk, z);
+                    let (along, radius) = (ray.x * x + ray.y * y, radius_at(trunk.1, z));
+                    let root = along * along - across * (x * x + y * y - radius * radius);
+                    if root < 0.0 {
+                        return f64::INFINITY;
+                    }
+                    far = (along - root.sqrt()) / across;
+                    z = ray.z * far;
+                }
+                if far > 0.0 && z < 7.0 { far } else { f64::INFINITY }
+            };
+            let far = TRUNKS.iter().map(trunk).fold(floor, f64::min) + dice.between(-0.004, 0.004);
+            if far < 20.0 {
+                points.push(ray * far);
+            }
+        }
+    }
+    let scene = detect(&points, 0);
+    let is_of = |found: &Cylinder, trunk: &([f64; 2], f64, [f64; 2]), z: f64| {
+        let [x, y] = axis_at(trunk, z);
+        let off = found.axis.distance(&Vector3::new(x, y, z));
+        off < 0.3 * trunk.1 && (found.radius / radius_at(trunk.1, z) - 1.0).abs() < 0.15
+    };
+    let of_scene = || {
+        scene.cylinders.iter().map(|found| (&found.result.cylinder, found.extent.as_ref().unwrap().center.z))
+    };
+    for trunk in &TRUNKS {
+        let count = of_scene().filter(|(found, z)| is_of(found, trunk, *z)).count();
+        assert!((1..=2).contains(&count), "{trunk:?}: {count} of {:?}", of_scene().collect::<Vec<_>>());
+    }
+    let others = of_scene().filter(|(found, z)| !TRUNKS.iter().any(|trunk| is_of(found, trunk, *z)));
+    assert_eq!(others.count(), 0, "{:?}", of_scene().collect::<Vec<_>>());
 }
 
 /// What fills a surface's reach evenly is none: cylinders that were cut out of noise had scores of up to 0.98.

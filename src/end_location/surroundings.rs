@@ -151,6 +151,7 @@ impl Surroundings<'_> {
         // (pixels beyond the end, depth measured there less that of the continued surface)
         let places = self.noise.beyond();
         let mut steps: SmallVec<[(f64, f64); 4]> = SmallVec::new();
+        let mut goes_on = true;
         for beyond in places {
             let (point, Some(at)) = seen_at(beyond) else {
                 votes.cut += 1;
@@ -163,11 +164,19 @@ impl Surroundings<'_> {
             }
             match self.depth.and_then(|depth| depth.depth(column, row)) {
                 None => votes.unknown += 1,
-                Some(z) => steps.push((beyond, z - point.z)),
+                Some(z) => {
+                    steps.push((beyond, z - point.z));
+                    let surface =
+                        self.camera.ray_of_pixel(column, row).and_then(|ray| self.cylinder.first_hit(&ray));
+                    goes_on &= surface.is_some_and(|surface| (z - surface.z).abs() <= self.tolerance);
+                }
             }
         }
         if step_at_end(&steps) < -self.tolerance {
             votes.hidden += steps.len();
+        } else if goes_on {
+            // The mask ends before the surface does.
+            votes.unknown += steps.len();
         } else {
             votes.seen += steps.len();
         }

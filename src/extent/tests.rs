@@ -155,6 +155,23 @@ fn a_mask_that_stops_short_of_the_border_is_cut_off_by_it() {
     }
 }
 
+/// The depth goes on as the surface would: that was taken for the end of it.
+#[test]
+fn nobody_knows_what_a_mask_that_stops_before_the_end_leaves_out() {
+    for tilt in [0.0, 0.2, -0.4] {
+        let scene = Scene::tilted(tilt);
+        let (_, depth, mut mask) = scene.render(0);
+        let last = mask.chunks(SIZE.0).rposition(|row| row.iter().any(|&pixel| pixel != 0)).unwrap();
+        for rows in [40, 60] {
+            mask[(last - rows) * SIZE.0..].fill(0);
+            let fitter = Scene::fitter(&depth, &mask);
+            let found = fitter.find_extent(Some(&scene.cylinder), None, Some(true)).unwrap().0;
+            let states = (found.start_state, found.end_state);
+            assert_eq!(states, (EndState::Seen, EndState::Unknown), "tilt {tilt}, {rows} rows");
+        }
+    }
+}
+
 /// Where each pixel of the border looked at all that the mask may be off by, and generators were followed as far or by steps
 /// as small as any number, this never ended.
 #[test]

@@ -7,10 +7,11 @@ use super::work::Share;
 use super::{DetectorOptions, Found};
 use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, Looks, with_odds_divided};
 use crate::error::{Error, Result, unless_cancelled};
-use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
+use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::memory::apart;
 use crate::observations::{Frame, MaskView, PointsView};
+use crate::statistics::{ends_of, median};
 use nalgebra::Vector3;
 use std::ops::ControlFlow;
 
@@ -130,8 +131,18 @@ impl<'a> Fits<'a> {
                 break;
             }
         }
-        let is_one = self.seen.whole || apart(|| is_round(&detection.cylinder, places_of(looks, &region)));
+        let mut is_one =
+            self.seen.whole || apart(|| is_round(&detection.cylinder, places_of(looks, &region)));
         check(0)?;
+        let mut body = Vec::new();
+        if rounds > 0
+            && !is_one
+            && let Some((piece, cylinder)) = self.round_piece(points, looks, (&region, &detection), share)?
+        {
+            body = std::mem::replace(&mut region, piece);
+            is_one = true;
+            detection = Detection { cylinder, pixels: region.len(), ..detection };
+        }
         // What is none has a score of 0. It needs no fit to all of its points but where that is enough to be returned.
         let is_returned = is_one || self.options.search.min_score == 0.0;
         if let Some((fitter, result)) = last
@@ -149,9 +160,41 @@ impl<'a> Fits<'a> {
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(&detection, &result.cylinder, deviation, None);
         let mut found = found(*fitter, evidence, &detection, result);
+        // A box within the reach of a cylinder is none.
+        let is_one = is_one && (self.seen.whole || !found.result.flags.contains(Flags::POOR_FIT));
         found.score = if is_one { with_odds_divided(found.score, self.tries) } else { 0.0 };
-        found.region = region;
+        (found.region, found.body) = (region, body);
         Ok(found)
+    }
+
+    /// A piece of a long body that bends or tapers, such as a trunk, for which it is a cylinder: half of it about the middle of its points,
+    /// half of that, and so on. `None` where none is.
+    fn round_piece(
+        &self,
+        points: &PointsView<'_>,
+        looks: &Looks,
+        (region, detection): (&[u32], &Detection),
+        share: Option<&Share<'_>>,
+    ) -> Result<Option<(Vec<u32>, Cylinder)>> {
+        let (mut piece, mut cylinder) = (region.to_vec(), detection.cylinder);
+        loop {
+            let positions: Vec<f64> =
+                places_of(looks, &piece).map(|point| cylinder.axis.position_of(&point)).collect();
+            let [first, last] = ends_of(&positions);
+            let half = 0.25 * (last - first);
+            let middle = median(&mut positions.clone());
+            let mut inside = positions.iter().map(|position| (position - middle).abs() <= half);
+            piece.retain(|_| inside.next().unwrap_or(false));
+            if 2.0 * half < LONG * cylinder.radius || piece.len() < FEWEST {
+                return Ok(None);
+            }
+            let few = thinned(&piece);
+            let seen = Detection { cylinder, pixels: few.len(), ..*detection };
+            cylinder = self.of_region(points, looks, &few, &seen, share)?.1.cylinder;
+            if apart(|| is_round(&cylinder, places_of(looks, &piece))) {
+                return Ok(Some((piece, cylinder)));
+            }
+        }
     }
 
     /// The fit of a region of a cloud, by the numbers of its points.
@@ -341,7 +384,17 @@ fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: 
     fitter.swap_mask(None);
     fitter.free_memory();
     let (score, pixels) = (evidence.score(), detection.pixels);
-    Box::new(Found { score, evidence, pixels, result, extent, arcs, fitter, region: Vec::new() })
+    Box::new(Found {
+        score,
+        evidence,
+        pixels,
+        result,
+        extent,
+        arcs,
+        fitter,
+        region: Vec::new(),
+        body: Vec::new(),
+    })
 }
 
 /// Radii to start from, by the radius that was found: depth next to limbs may be off by this much, which is more than
@@ -360,6 +413,9 @@ const ROUNDS: usize = 4;
 
 /// Points that are enough to grow a region by.
 const ENOUGH: usize = 10_000;
+
+/// A piece of a body that bends or tapers is at least so many radii long: shorter ones of what is no cylinder may pass for one.
+const LONG: f64 = 6.0;
 
 /// A region has settled where its points change by this part.
 const SETTLED: f64 = 0.02;

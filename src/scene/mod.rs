@@ -282,6 +282,7 @@ impl Detector {
             let seen =
                 self.search(observer, |stopped| detect_points_until(points, &mut looks, &search, stopped))?;
             scene.complete &= !seen.as_ref().is_some_and(|seen| seen.cut_short);
+            let before = scene.cylinders.len();
             if let Some(seen) = seen.filter(|seen| !seen.cylinders.is_empty()) {
                 let fits = Fits::new(&self.options, seen, size).after(looks.tries());
                 let fit = || {
@@ -292,7 +293,7 @@ impl Detector {
                 let found = if looks.is_large() { apart(fit) } else { fit() }?;
                 scene.add(found, &mut looks);
             }
-            more = looks.go_on(!scene.cylinders.is_empty());
+            more = looks.go_on(!scene.cylinders.is_empty(), scene.cylinders.len() > before);
         }
         scene.order(self.options.search.max_count);
         Ok(scene)

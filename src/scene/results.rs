@@ -30,6 +30,8 @@ pub struct Found {
     pub(super) fitter: Fitter,
     /// The points of the body of a cloud, by their numbers in its looks; of no use once they have their label.
     pub(super) region: Vec<u32>,
+    /// Likewise all of a body that bends or tapers, of which the region is a piece: later looks see none of it.
+    pub(super) body: Vec<u32>,
 }
 
 impl Found {
@@ -99,7 +101,7 @@ impl Scene {
     /// one of these.
     pub(super) fn add(&mut self, other: Self, looks: &mut Looks) {
         for mut found in other.cylinders {
-            let region = std::mem::take(&mut found.region);
+            let [region, body] = [&mut found.region, &mut found.body].map(std::mem::take);
             let own = region.iter().filter(|&&k| self.labels[looks.given(k)] == 0).count();
             // Labels have 16 bits.
             let Ok(label) = u16::try_from(self.cylinders.len() + 1) else {
@@ -118,6 +120,7 @@ impl Scene {
                 }
                 looks.remove(k);
             });
+            body.into_iter().for_each(|k| looks.remove(k));
         }
         self.complete &= other.complete;
     }

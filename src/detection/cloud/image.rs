@@ -14,6 +14,9 @@ const MOST_PIXELS: f64 = 2e6;
 /// Where less than this part of the points is seen, there is another wall behind, and the image has a pixel to each of those that are.
 const MOSTLY_SEEN: f64 = 0.75;
 
+/// An image of which more than this part has points has as many pixels as these.
+const NEARLY_FILLED: f64 = 0.8;
+
 /// Fewest points of a cloud.
 pub(super) const FEWEST: usize = 50;
 
@@ -267,7 +270,7 @@ pub(super) struct Image {
 }
 
 impl Image {
-    /// As many pixels as points that are seen, over the part of the image that has any. A sample of the points, or all, tells the
+    /// As many pixels as points that are seen, over the part of the image that has any, which may be little of it. A sample of the points, or all, tells the
     /// extent, in a memory that is lent.
     pub fn of(
         points: &Points,
@@ -280,6 +283,12 @@ impl Image {
         let in_front = slopes.in_front * points.usable as f64;
         let Some(raster) = Raster::new(in_front, &slopes, pose) else { return Ok(None) };
         let mut image = Self::new(points, raster, memory, asked)?;
+        let filled = image.filled();
+        let in_front = in_front / filled;
+        if filled < NEARLY_FILLED {
+            let Some(raster) = Raster::new(in_front, &slopes, pose) else { return Ok(None) };
+            image = Self::new(points, raster, image.nearest, asked)?;
+        }
         let seen = image.count_seen(sample, asked)? as f64 / (slopes.in_front * sample.usable as f64);
         image.seen = seen;
         if seen >= MOSTLY_SEEN {
@@ -289,6 +298,14 @@ impl Image {
         let mut image = Self { seen, ..Self::new(points, raster, image.nearest, asked)? };
         image.close();
         Ok(Some(image))
+    }
+
+    /// The part of the image that has points, by the pixels that have some, with as many pixels as points.
+    fn filled(&self) -> f64 {
+        let some = self.nearest[..self.raster.outside()].iter().filter(|seen| **seen != NOTHING).count();
+        let part = some as f64 / self.raster.outside() as f64;
+        // Points at random leave e^(−1/a) of the part a empty.
+        (0..30).fold(part, |a, _| part / (1.0 - (-1.0 / a).exp())).min(1.0)
     }
 
     fn new(points: &Points, raster: Raster, mut nearest: Vec<u64>, asked: &Asked<'_>) -> Result<Self> {

@@ -61,6 +61,8 @@ pub(crate) struct Looks {
     few_cells: bool,
     /// Whether the cloud is so far from its origin that nothing there has seen it.
     far: bool,
+    /// Whether the densities of the points have one in the origin.
+    confirmed: bool,
     /// Whether no sensor has seen all of it.
     unseen: bool,
     /// Whether some image of the origin has another wall behind what is seen, or no image is of the origin.
@@ -97,6 +99,7 @@ impl Default for Looks {
             side: LEAST_SIDE,
             few_cells: false,
             far: false,
+            confirmed: false,
             unseen: false,
             closed: false,
             before: 0,
@@ -224,8 +227,9 @@ impl Looks {
         if let Some(from) = origin.or_else(aside)
             && let Some(image) = image(&from, Vec::new())?
         {
-            let is_one = || Densities::of(points, FEW_POINTS).is_none_or(|few| few.confirm(&from.origin));
-            if image.seen >= SEEN && is_one() {
+            let few = Densities::of(points, FEW_POINTS);
+            self.confirmed = few.is_some();
+            if image.seen >= SEEN && few.is_none_or(|few| few.confirm(&from.origin)) {
                 self.image = origin.map(|_| image);
                 return Ok(origin);
             }
@@ -306,10 +310,10 @@ impl Looks {
         (self.before + 1) as f64
     }
 
-    /// Goes on to the next look, where there is one: with finer cells where these are few and nothing was found in any look so
-    /// far, else from the next viewpoint, else at the next tile.
-    pub fn go_on(&mut self, found: bool) -> bool {
-        if !found && self.few_cells && self.side > 1 {
+    /// Goes on to the next look, where there is one: with finer cells where these are few and nothing was found `here`, by the present
+    /// look, else from the next viewpoint, else at the next tile. Whether any look so far has `found` something.
+    pub fn go_on(&mut self, found: bool, here: bool) -> bool {
+        if !here && self.few_cells && self.side > 1 {
             self.side -= 1;
             self.before += 1;
             return true;
@@ -321,10 +325,10 @@ impl Looks {
         if let Some(next) = self.viewpoints.get(self.current) {
             // To other sides of the same place other surfaces are seen.
             self.before += usize::from(Some(next.origin) != origin);
-            return next.may_be_sensor() || self.closed || !found;
+            return true;
         }
         if let Some(sensor) = self.viewpoints.first().filter(|first| first.is_sensor() && !self.closed) {
-            if found || sensor.origin == Vector3::zeros() {
+            if found || (sensor.origin == Vector3::zeros() && self.confirmed) {
                 return false;
             }
             // The densities may have misled.
