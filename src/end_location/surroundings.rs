@@ -166,9 +166,8 @@ impl Surroundings<'_> {
                 None => votes.unknown += 1,
                 Some(z) => {
                     steps.push((beyond, z - point.z));
-                    let surface =
-                        self.camera.ray_of_pixel(column, row).and_then(|ray| self.cylinder.first_hit(&ray));
-                    goes_on &= surface.is_some_and(|surface| (z - surface.z).abs() <= self.tolerance);
+                    let surface = || self.cylinder.first_hit(&self.camera.ray_of_pixel(column, row)?);
+                    goes_on = goes_on && surface().is_some_and(|point| (z - point.z).abs() <= self.tolerance);
                 }
             }
         }

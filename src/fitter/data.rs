@@ -180,22 +180,17 @@ impl<'a> Data<'a> {
         given: usize,
     ) -> Result<Self> {
         let usable: usize = views.iter().map(|view| view.points.count()).sum();
-        let dropped = || {
-            let mut all = Dropped::default();
-            views.iter().for_each(|view| all.add(view.view.cloud.dropped()));
-            all
-        };
-        // Points pushed as such have neither mask nor range.
-        let of_depth =
-            |left_out: &Dropped| left_out.no_depth + left_out.out_of_range + left_out.outside_mask > 0;
         let edges_alone = edge_weight == 1.0 && start.is_some();
         if usable < LEAST_POINTS && !edges_alone {
-            let left_out = dropped();
-            let remedy = match of_depth(&left_out) {
+            let mut dropped = Dropped::default();
+            views.iter().for_each(|view| dropped.add(view.view.cloud.dropped()));
+            // Points pushed as such have neither mask nor range.
+            let of_depth = dropped.no_depth + dropped.out_of_range + dropped.outside_mask > 0;
+            let remedy = match of_depth {
                 true => "push more points, or check mask, depth scale and depth range",
                 false => "push more points",
             };
-            let left_out = left_out.in_words();
+            let left_out = dropped.in_words();
             return Err(Error::TooFewPoints { usable, given, left_out, needed: LEAST_POINTS, remedy });
         }
         let center = Vector3::zeros();

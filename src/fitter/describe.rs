@@ -111,25 +111,22 @@ pub(super) fn describe(
     let scale_held = held.edge_weight == 1.0 && !data.has_fixed_radius();
     let weak =
         scale_held || is_weak(data, &equations, cylinder) || hides_radius(uncertainty.as_ref(), cylinder);
-    let mut flags = held.flags | data.contradicted(&frame, scales, &objective);
+    let mut flags = held.flags;
+    flags.set(Flags::SCALE_HELD, scale_held);
+    flags.set(Flags::WEAK_RADIUS, weak);
+    flags.set(Flags::RESOLUTION_LOST, coarse);
+    flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
+    flags.set(Flags::POINTS_NOT_FINITE, dropped.not_finite > 0);
+    flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
+    flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
+    flags |= data.contradicted(&frame, scales, &objective);
     flags |= warnings_of_points(data, cylinder, &frame, scales);
     flags |= warnings_of_masks(data, held, cylinder, scales, (uncertainty.as_ref(), by_sides));
-    let disagree =
-        radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, held, cylinder);
-    for (flag, holds) in [
-        (Flags::SCALE_HELD, scale_held),
-        (Flags::WEAK_RADIUS, weak),
-        (Flags::RESOLUTION_LOST, coarse),
-        (Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5)),
-        (Flags::POINTS_NOT_FINITE, dropped.not_finite > 0),
-        (Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none()),
-        (Flags::POINTS_AND_LIMBS_DISAGREE, disagree),
-        (Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong())),
-        (Flags::BODY_TAPERS, taper.is_some_and(Taper::is_wrong)),
-    ] {
-        if holds {
-            flags |= flag;
-        }
+    if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, held, cylinder) {
+        flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
+    }
+    if taper.is_some_and(Taper::is_wrong) {
+        flags |= Flags::BODY_TAPERS;
     }
     let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);

@@ -270,8 +270,8 @@ pub(super) struct Image {
 }
 
 impl Image {
-    /// As many pixels as points that are seen, over the part of the image that has any, which may be little of it. A sample of the points, or all, tells the
-    /// extent, in a memory that is lent.
+    /// As many pixels as points that are seen, over the part of the image that has any, which may be little of it. A sample of the
+    /// points, or all, tells the extent, in a memory that is lent.
     pub fn of(
         points: &Points,
         sample: &Points,

@@ -61,8 +61,8 @@ pub(crate) struct Looks {
     few_cells: bool,
     /// Whether the cloud is so far from its origin that nothing there has seen it.
     far: bool,
-    /// Whether the densities of the points have one in the origin.
-    confirmed: bool,
+    /// Whether the points have flat pieces enough for their densities to tell of a sensor in the origin, or of none there.
+    densities_tell: bool,
     /// Whether no sensor has seen all of it.
     unseen: bool,
     /// Whether some image of the origin has another wall behind what is seen, or no image is of the origin.
@@ -99,7 +99,7 @@ impl Default for Looks {
             side: LEAST_SIDE,
             few_cells: false,
             far: false,
-            confirmed: false,
+            densities_tell: false,
             unseen: false,
             closed: false,
             before: 0,
@@ -228,7 +228,7 @@ impl Looks {
             && let Some(image) = image(&from, Vec::new())?
         {
             let few = Densities::of(points, FEW_POINTS);
-            self.confirmed = few.is_some();
+            self.densities_tell = few.is_some();
             if image.seen >= SEEN && few.is_none_or(|few| few.confirm(&from.origin)) {
                 self.image = origin.map(|_| image);
                 return Ok(origin);
@@ -328,7 +328,7 @@ impl Looks {
             return true;
         }
         if let Some(sensor) = self.viewpoints.first().filter(|first| first.is_sensor() && !self.closed) {
-            if found || (sensor.origin == Vector3::zeros() && self.confirmed) {
+            if found || (sensor.origin == Vector3::zeros() && self.densities_tell) {
                 return false;
             }
             // The densities may have misled.

@@ -203,11 +203,11 @@ impl Measurement {
 fn explain(flag: Flags, result: &FitResult) -> String {
     if flag == Flags::NOT_CONVERGED {
         // Of a detector: the fit was left out or dropped, and more iterations would not help.
-        let text = match result.iterations == 0 {
-            true => "not fitted: the cylinder is as the search found it",
-            false => "not converged; allow more iterations",
+        return if result.iterations == 0 {
+            "not fitted: the cylinder is as the search found it".into()
+        } else {
+            "not converged; allow more iterations".into()
         };
-        return text.into();
     }
     let numbers = match flag {
         Flags::POINTS_NOT_FINITE => Some(result.dropped.not_finite.to_string()),
