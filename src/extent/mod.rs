@@ -205,7 +205,7 @@ impl Fitter {
             }
         }
         let (camera, mask) = masked?;
-        let is_region = own.is_none() && view.mask_is_body;
+        let is_region = own.is_none() && view.is_body;
         let content = if is_region { MaskContent::Region } else { MaskContent::Anything };
         let noise = self.options().noise.in_image(camera.size());
         // Limbs that pass that near to the segments are taken as known.

@@ -137,7 +137,7 @@ fn arcs(
         camera,
         mask: view.view.for_ends(mask),
         content: match known.whole {
-            _ if view.view.mask_is_body => MaskContent::Region,
+            _ if view.view.is_body => MaskContent::Region,
             true => MaskContent::Body,
             false => MaskContent::Anything,
         },

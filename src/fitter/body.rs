@@ -46,7 +46,7 @@ pub(super) fn separate(
     let (Some(camera), Some(depth), Some(mask)) = (view.camera(), view.depth(), view.mask.as_ref()) else {
         return Ok(Separated::default());
     };
-    if view.mask_is_body {
+    if view.is_body {
         return Ok(Separated { whole: true, ..Separated::default() });
     }
     // Most masks hold the body alone, and that takes no search.

@@ -81,7 +81,7 @@ impl Guided {
         let guides = &view.guides;
         let by_sides = !guides.sides.is_empty() && (guides.given.is_empty() || view.unconfirmed);
         // What detection fits has been looked for in many places.
-        let Some(camera) = of_data.view.camera().filter(|_| by_sides && !of_data.view.mask_is_body) else {
+        let Some(camera) = of_data.view.camera().filter(|_| by_sides && !of_data.view.is_body) else {
             return Ok(None);
         };
         let start = Candidate { cylinder: *self.minimum.cylinder(), ..self.start };

@@ -88,15 +88,15 @@ impl Fitter {
     fn view_mut(&mut self) -> &mut View {
         self.made_with = None;
         let view = &mut self.views[self.selected];
-        view.mask_is_body = false;
+        view.is_body = false;
         view.limbs_of_others.clear();
         view.forget_points();
         view
     }
 
-    /// Tells that the mask of the selected view holds the body alone, until that view is changed.
-    pub(crate) fn know_mask_as_body(&mut self) {
-        self.views[self.selected].mask_is_body = true;
+    /// Tells that points and mask of the selected view are those of the body alone, until that view is changed.
+    pub(crate) fn know_as_body(&mut self) {
+        self.views[self.selected].is_body = true;
     }
 
     /// Tells pieces of the limbs of other bodies, from end to end in ideal pixels, until the selected view is changed: an edge
@@ -314,11 +314,11 @@ mod tests {
     #[test]
     fn a_mask_is_known_as_the_body_until_its_view_is_changed() {
         let mut fitter = Fitter::new();
-        fitter.know_mask_as_body();
+        fitter.know_as_body();
         fitter.set_start(None);
-        assert!(fitter.view().mask_is_body);
+        assert!(fitter.view().is_body);
         fitter.clear_inputs(Inputs::DEPTH);
-        assert!(!fitter.view().mask_is_body);
+        assert!(!fitter.view().is_body);
     }
 
     #[test]

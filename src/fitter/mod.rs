@@ -4,6 +4,7 @@
 //! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
 
 mod arcs;
+mod background;
 mod batch;
 mod body;
 mod conformity;
@@ -68,12 +69,16 @@ use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
 use crate::memory::{List, Memory, is_there};
+use background::Surface;
 use continued::Last;
 use data::Data;
 use held::Held;
 use run::Run;
 use std::ops::ControlFlow;
 use std::time::Instant;
+
+/// Most fits without points that lie on the cylinder before by chance.
+const ROUNDS_OF_SURFACE: usize = 5;
 
 /// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
 /// random samples, or places, cells and residuals for the correlation.
@@ -240,7 +245,10 @@ impl Fitter {
                 let first = self.fit_views(List::new(), run, &clock)?;
                 self.fit_to_drawn(first, &[], run, &clock)?
             }
-            None => self.fit_views(List::new(), run, &clock)?,
+            None => {
+                let first = self.fit_views(List::new(), run, &clock)?;
+                self.fit_to_surface(first, run, &clock)?
+            }
             Some(fit) => fit,
         };
         let (made_with, mut result, last) = fit;
@@ -281,6 +289,27 @@ impl Fitter {
             }
             let Ok(again) = unless_cancelled(self.fit_views(drawn, run, clock))? else { break };
             fit = again;
+        }
+        Ok(fit)
+    }
+
+    /// The fits after a first one to points alone, without those that lie on the cylinder before by chance.
+    fn fit_to_surface(&self, mut fit: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
+        // Masks and detectors have told the background.
+        let is_told = |view: &View| view.mask.is_some() || view.is_body;
+        if !self.options.is_robust() || self.views.iter().any(is_told) || fit.0.held.has_lines() {
+            return Ok(fit);
+        }
+        let bodies = fit.0.bodies.clone();
+        let views = self.views_or(&bodies);
+        let mut before = None;
+        for _ in 0..ROUNDS_OF_SURFACE {
+            run.check()?;
+            let surface = Surface::about(&views, &fit.1.cylinder, fit.1.point_scale);
+            let Some(surface) = surface.filter(|surface| before != Some(surface.holds)) else { break };
+            let drawn = views.clone().map(|view| Some(surface.of(view))).collect();
+            let Ok(again) = unless_cancelled(self.fit_views(drawn, run, clock))? else { break };
+            (fit, before) = (again, Some(surface.holds));
         }
         Ok(fit)
     }

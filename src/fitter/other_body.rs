@@ -42,7 +42,7 @@ impl Data<'_> {
 /// too few have a depth, and where the mask is no hint of the caller.
 fn holds_another(view: &ViewData<'_>, cylinder: &Cylinder, reach: f64, noise: &NoiseModel) -> Option<bool> {
     let (camera, mask, depth) = (view.camera()?, view.view.mask.as_ref()?, view.view.depth()?);
-    if view.view.mask_is_body || cylinder.contains_origin() {
+    if view.view.is_body || cylinder.contains_origin() {
         return None;
     }
     // Beside its outline a mask may hold the background.

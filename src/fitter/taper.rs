@@ -91,7 +91,7 @@ impl Data<'_> {
         scales: &Scales,
     ) -> bool {
         let ([lines], [Some(seen)]) = (lines, &observations[..]) else { return false };
-        if self.views[0].view.mask_is_body {
+        if self.views[0].view.is_body {
             return false;
         }
         let turn = self.taper(&seen.limbs, cylinder, scales).map_or(1.0, Taper::turn);

@@ -28,8 +28,8 @@ pub(crate) struct View {
     pub mask: Option<Mask>,
     /// The part of the mask that is the body, where that is not all of it.
     pub body: Option<Mask>,
-    /// Whether the mask is known to hold the body alone.
-    pub mask_is_body: bool,
+    /// Whether points and mask are known to be those of the body alone: a detector found them.
+    pub is_body: bool,
     /// Whether the mask was made of the points, as none was pushed.
     pub mask_of_points: bool,
     /// Pieces of the limbs of other bodies in the image, from end to end in ideal pixels.
@@ -51,7 +51,7 @@ impl View {
             frame: self.frame.clone(),
             mask: self.mask.clone(),
             body,
-            mask_is_body: self.mask_is_body,
+            is_body: self.is_body,
             mask_of_points: self.mask_of_points,
             limbs_of_others: self.limbs_of_others.clone(),
             sides_drawn: self.sides_drawn,
@@ -75,7 +75,7 @@ impl View {
     /// Whether the sides of the mask say something of their own: not where they were drawn about the cylinder of a fit, nor
     /// where a detector found the body by the depth, which is smeared at the limbs.
     pub fn sides_tell(&self) -> bool {
-        !self.sides_drawn && !self.mask_is_body
+        !self.sides_drawn && !self.is_body
     }
 
     /// Whether a mask, if there is one, was drawn in the image, by a person or a network, and not made of the depth.

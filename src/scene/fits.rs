@@ -69,7 +69,7 @@ impl<'a> Fits<'a> {
         let mask = mask_of(&self.seen.labels, task.cylinder);
         fitter.use_frame(frame, Some(&MaskView::from_u8(&mask, self.size)?))?;
         // A region has the pixels that see the surface alone.
-        fitter.know_mask_as_body();
+        fitter.know_as_body();
         fitter.know_limbs_of_others(&task.limbs_of_others);
         let limb = frame.image().and(frame.camera()).map_or(0.0, |camera| {
             let [first, last] = detection.along;
@@ -209,6 +209,7 @@ impl<'a> Fits<'a> {
         let fit = |chosen: &[u32]| {
             let mut fitter = Box::new(self.fitter()?);
             fitter.push_numbered(points, chosen.iter().map(|&k| looks.given(k)))?;
+            fitter.know_as_body();
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
             Ok((fitter, result))
         };

@@ -1,0 +1,210 @@
+//! Points that lie on a cylinder by chance.
+//!
+//! Outliers all about the axis of a narrow arc tell a radius of their own: a wrong cylinder that passes through a few of them, far from
+//! the arc, costs the arc little. A surface is denser than what lies beside it. Sectors about the axis where the points on the cylinder
+//! are not are background, and the fit is done again without them.
+
+use super::view::View;
+use crate::geometry::{Cylinder, LocalFrame};
+use crate::residuals::TUKEY_EFFICIENT;
+use nalgebra::Vector3;
+
+/// Points that tell what is background.
+const SAMPLE: usize = 2_000;
+
+/// Sectors about an axis.
+const SECTORS: usize = 72;
+
+/// So many sectors to either side tell how dense the background of one is: outliers are few.
+const BESIDE: usize = 12;
+
+/// The background is counted up to so many times the distance from the surface within which points count.
+const REACH: f64 = 4.0;
+
+/// A surface has more points than the background lets expect by so many standard deviations of that number, and by one.
+const BEYOND_CHANCE: f64 = 3.0;
+
+/// A surface is no thinner than this part of what it is where half of its points are, but for the last degrees before a limb.
+const LEAST_DENSITY: f64 = 0.05;
+
+/// Where less than this part of the points on a cylinder is on its surface nothing tells what is background.
+const LEAST_SURFACE: f64 = 0.5;
+
+/// The sectors about a cylinder that hold its surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Surface {
+    frame: LocalFrame,
+    pub holds: [bool; SECTORS],
+}
+
+impl Surface {
+    /// By the points of all views about a cylinder in the reference frame, which scatter by `scale` about it; `None` where all on the
+    /// cylinder are on its surface.
+    pub fn about<'a>(
+        views: &(impl Iterator<Item = &'a View> + Clone),
+        cylinder: &Cylinder,
+        scale: f64,
+    ) -> Option<Self> {
+        let frame = LocalFrame::new(cylinder, &cylinder.axis.point, 1.0);
+        let most = SAMPLE / views.clone().count();
+        let places = || {
+            views.clone().flat_map(|view| {
+                let seen = frame.moved(&view.pose().inverse());
+                view.cloud.sampled(most).map(move |point| Place::new(&seen, &point))
+            })
+        };
+        let within = TUKEY_EFFICIENT * scale;
+        let is_beside = |place: &Place| place.distance > within && place.distance <= REACH * within;
+        if !places().any(|place| is_beside(&place)) {
+            return None;
+        }
+        let (mut on, mut beside) = ([0.0; SECTORS], [0.0; SECTORS]);
+        for place in places() {
+            if place.distance <= within {
+                on[place.sector()] += 1.0;
+            } else if is_beside(&place) {
+                beside[place.sector()] += 1.0;
+            }
+        }
+        // Beside a surface are points of its own as well, where noise has tails.
+        let least = LEAST_DENSITY * typical(on);
+        if on.iter().zip(&beside).all(|(on, beside)| *on > least || *beside == 0.0) {
+            return None;
+        }
+        let share = share_within(cylinder.radius, within);
+        let holds = std::array::from_fn(|sector| {
+            let expected = share * background(&beside, sector);
+            on[sector] > least.max(expected + BEYOND_CHANCE * expected.sqrt() + 1.0)
+        });
+        let all: f64 = on.iter().sum();
+        let of_surface: f64 = on.iter().zip(holds).map(|(on, holds)| if holds { *on } else { 0.0 }).sum();
+        (of_surface < all && of_surface >= LEAST_SURFACE * all).then_some(Self { frame, holds })
+    }
+
+    /// The view with the points of these sectors alone.
+    pub fn of(&self, view: &View) -> View {
+        let seen = self.frame.moved(&view.pose().inverse());
+        let holds = |index| self.holds[Place::new(&seen, &view.cloud.point(index)).sector()];
+        view.with_points(view.cloud.chosen(holds), view.body.clone())
+    }
+}
+
+/// Where a point is about a cylinder.
+struct Place {
+    /// Across the axis.
+    across: [f64; 2],
+    /// From the surface.
+    distance: f64,
+}
+
+impl Place {
+    fn new(frame: &LocalFrame, point: &Vector3<f64>) -> Self {
+        let aside = point - frame.cylinder.axis.point;
+        let [x, y] = [aside.dot(&frame.u), aside.dot(&frame.v)];
+        Self { across: [x, y], distance: ((x * x + y * y).sqrt() - frame.cylinder.radius).abs() }
+    }
+
+    fn sector(&self) -> usize {
+        let [x, y] = self.across;
+        // Around a square in place of a circle, which takes no arc tangent.
+        let along = x / (x.abs() + y.abs());
+        let turns = if y < 0.0 { 3.0 + along } else { 1.0 - along } / 4.0;
+        ((turns * SECTORS as f64) as usize).min(SECTORS - 1)
+    }
+}
+
+/// How many points of the background are within a distance of the surface, for each that is beside it: both are in rings about the axis.
+fn share_within(radius: f64, within: f64) -> f64 {
+    let ring = |distance: f64| (radius + distance).powi(2) - (radius - distance).max(0.0).powi(2);
+    ring(within) / (ring(REACH * within) - ring(within))
+}
+
+/// The number of points beside the surface in a sector as those around it tell it, but no fewer than in all of them on average.
+fn background(beside: &[f64; SECTORS], sector: usize) -> f64 {
+    let around = (0..=2 * BESIDE).map(|k| beside[(sector + SECTORS + k - BESIDE) % SECTORS]);
+    let mean = |sum: f64, count: usize| sum / count as f64;
+    mean(around.sum(), 2 * BESIDE + 1).max(mean(beside.iter().sum(), SECTORS))
+}
+
+/// How many points are in a sector, for half of them at least.
+fn typical(mut on: [f64; SECTORS]) -> f64 {
+    on.sort_unstable_by(f64::total_cmp);
+    let half = on.iter().sum::<f64>() / 2.0;
+    let mut below = 0.0;
+    let is_half = |on: &&f64| {
+        below += **on;
+        below >= half
+    };
+    on.iter().find(is_half).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fitter::Fitter;
+    use crate::observations::PointsView;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    /// A number between −1 and 1.
+    fn number(rng: &mut ChaCha8Rng) -> f64 {
+        f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
+    }
+
+    /// Points on an arc of a cylinder of radius 1, with noise, and outliers in a box about it.
+    fn arc(seed: u64, arc: f64, count: usize, outliers: usize) -> Fitter {
+        let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+        let noise = |rng: &mut ChaCha8Rng| 0.01 * (0..3).map(|_| number(rng)).sum::<f64>();
+        let of_arc = |_| {
+            let angle = arc.to_radians() * number(rng) / 2.0;
+            let radius = 1.0 + noise(rng);
+            [radius * angle.cos(), radius * angle.sin(), 5.0 + 2.0 * number(rng)]
+        };
+        let mut points: Vec<[f64; 3]> = (0..count).map(of_arc).collect();
+        points.extend((0..outliers).map(|_| [1.5 * number(rng), 1.5 * number(rng), 5.0 + 2.0 * number(rng)]));
+        let mut fitter = Fitter::new();
+        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        fitter
+    }
+
+    #[test]
+    fn outliers_all_about_the_axis_do_not_tell_the_radius_of_an_arc() {
+        for (degrees, outliers) in [(40.0, 20), (40.0, 50), (60.0, 100), (60.0, 300)] {
+            for seed in 0..4 {
+                let alone = arc(seed, degrees, 1000, 0).fit().unwrap();
+                let among = arc(seed, degrees, 1000, outliers).fit().unwrap();
+                let [stated, found] = [alone, among].map(|fit| fit.uncertainty.unwrap().radius());
+                let off = (among.cylinder.radius - alone.cylinder.radius).abs();
+                assert!(off < stated, "{degrees}° {outliers} {seed}: {off} {stated}");
+                assert!((found / stated - 1.0).abs() < 0.5, "{degrees}° {outliers} {seed}: {found} {stated}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_background_a_few_points_elsewhere_are_surface() {
+        let cylinder = Cylinder::new(Vector3::zeros(), Vector3::z(), 1.0).unwrap();
+        let mut fitter = arc(1, 60.0, 1000, 0);
+        let back: Vec<[f64; 3]> = (0..3).map(|k| [-1.0, 0.0, 0.1 * f64::from(k)]).collect();
+        fitter.push_points(&PointsView::from_f64(&back), None).unwrap();
+        assert_eq!(Surface::about(&[fitter.view()].into_iter(), &cylinder, 0.01), None);
+        // One point beside the surface, and they may be there by chance.
+        fitter.push_points(&PointsView::from_f64(&[[0.0, 1.1, 0.0]]), None).unwrap();
+        let surface = Surface::about(&[fitter.view()].into_iter(), &cylinder, 0.01).unwrap();
+        assert_eq!(surface.of(fitter.view()).cloud.len(), 1000);
+    }
+
+    #[test]
+    fn no_surface_is_told_where_background_is_all_there_is() {
+        let cylinder = Cylinder::new(Vector3::zeros(), Vector3::z(), 1.0).unwrap();
+        let fitter = arc(1, 60.0, 20, 5000);
+        assert_eq!(Surface::about(&[fitter.view()].into_iter(), &cylinder, 0.05), None);
+    }
+
+    #[test]
+    fn rings_about_an_axis_hold_as_much_background_as_they_are_large() {
+        assert!((share_within(1.0, 0.01) - 1.0 / 3.0).abs() < 1e-12);
+        // Within 2 of a radius of 1 is all about the axis.
+        assert!((share_within(1.0, 0.5) - 2.0 / (9.0 - 2.0)).abs() < 1e-12);
+    }
+}
