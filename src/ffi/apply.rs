@@ -1,9 +1,9 @@
 //! What follows a fit: completion, extent, the choice of edges.
 
-use super::camera::check_room;
 use super::constants::cylfuse_layout;
 use super::data::optional_mask;
 use super::handle::{cylfuse_fitter, enter_to_read};
+use super::lists::Room;
 use super::options::saturated;
 use super::results::{cylfuse_completion, cylfuse_extent};
 use super::sized::{Output, read, zeroed};
@@ -37,7 +37,8 @@ pub unsafe extern "C" fn cylfuse_fitter_complete_bound(
     layout: cylfuse_layout,
     out_capacity: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `mask` NULL or a mask that can be read, and `out_capacity`
+    // NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Slot::new(out_capacity, "out_capacity")?;
@@ -77,7 +78,8 @@ pub unsafe extern "C" fn cylfuse_fitter_complete(
     out: *const cylfuse_points_out,
     out_completion: *mut cylfuse_completion,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
+    // be read, `out` NULL or a buffer that can be written, and `out_completion` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out_completion = Output::new(out_completion, "out_completion")?;
@@ -181,7 +183,7 @@ unsafe fn complete(
 /// `at` is writable for three scalars.
 unsafe fn write_point(at: *mut u8, scalar: Scalar, point: &Vector3<f64>) {
     match scalar {
-        // SAFETY: the caller's obligation; no alignment is assumed.
+        // SAFETY: the caller promises room for three scalars; no alignment is assumed.
         Scalar::F32 => unsafe { at.cast::<[f32; 3]>().write_unaligned(point.map(|x| x as f32).into()) },
         // SAFETY: as above.
         Scalar::F64 => unsafe { at.cast::<[f64; 3]>().write_unaligned((*point).into()) },
@@ -208,7 +210,8 @@ pub unsafe extern "C" fn cylfuse_fitter_complete_depth(
     out: *const cylfuse_depth_out,
     out_completion: *mut cylfuse_completion,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
+    // be read, `out` NULL or a buffer that can be written, and `out_completion` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out_completion = Output::new(out_completion, "out_completion")?;
@@ -274,7 +277,7 @@ fn stored_depth(format: Pixels, value: f64) -> f64 {
 /// `at` is writable for a pixel.
 unsafe fn write_depth(at: *mut u8, format: Pixels, stored: f64) {
     match format {
-        // SAFETY: the caller's obligation; no alignment is assumed.
+        // SAFETY: the caller promises room for a pixel; no alignment is assumed.
         Pixels::U16 => unsafe { at.cast::<u16>().write_unaligned(stored as u16) },
         // SAFETY: as above.
         Pixels::F32 => unsafe { at.cast::<f32>().write_unaligned(stored as f32) },
@@ -333,7 +336,8 @@ pub unsafe extern "C" fn cylfuse_fitter_extent(
     mask: *const cylfuse_mask_view,
     out_extent: *mut cylfuse_extent,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
+    // be read, and `out_extent` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Output::new(out_extent, "out_extent")?;
@@ -368,19 +372,19 @@ pub unsafe extern "C" fn cylfuse_fitter_select_edges(
     out_limbs: *mut u8,
     capacity: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `segments` NULL or segments
+    // that can be read, and `out_limbs` NULL or room for `capacity` bytes.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let model = optional_cylinder(model)?;
             let segments = views::segments(&read(segments, "segments")?)?;
             let needed = segments.len();
-            check_room(needed, out_limbs, capacity, "out_limbs")?;
+            let out = Room::new(out_limbs, needed, capacity, "out_limbs")?;
             let found = content.fitter.select_edges(&segments, model.as_ref(), reach)?;
-            // As many as there are segments, which is at most the capacity; bytes need no alignment.
-            out_limbs.write_bytes(0, needed);
+            out.fill(std::iter::repeat(0));
             for (number, indices) in (1..).zip(found) {
                 for index in indices {
-                    out_limbs.add(index).write(number);
+                    out.set(index, number);
                 }
             }
             Ok(())

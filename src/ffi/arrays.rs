@@ -3,6 +3,7 @@
 use super::constants::cylfuse_residual_kind;
 use super::data::optional_mask;
 use super::handle::{cylfuse_fitter, enter_to_read};
+use super::lists::{Room, write_numbers};
 use super::options::saturated;
 use super::outcomes::{cylfuse_limb_status, cylfuse_part};
 use super::results::{cylfuse_end_sample, cylfuse_limb, cylfuse_limb_sample};
@@ -36,7 +37,8 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `out` NULL or room for
+    // `capacity` doubles, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let count = Slot::new(out_count, "out_count")?;
@@ -58,31 +60,6 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
     }
 }
 
-/// Writes all values and their number, or when they are too many their number only.
-///
-/// # Safety
-/// `out` is NULL or writable for `capacity` numbers.
-pub(super) unsafe fn write_numbers<T: Copy>(
-    values: impl Iterator<Item = T> + Clone,
-    out: *mut T,
-    capacity: usize,
-    count: &Slot<usize>,
-) -> Result<(), Failure> {
-    let needed = values.clone().count();
-    if needed > 0 && needed <= capacity && out.is_null() {
-        return Err(Failure::NullPointer { name: "out" });
-    }
-    count.write(needed);
-    if needed > capacity {
-        return Err(Failure::BufferTooSmall { name: "out", capacity, needed });
-    }
-    for (index, value) in values.enumerate().take(needed) {
-        // SAFETY: the index is below the capacity; no alignment is assumed.
-        unsafe { out.add(index).write_unaligned(value) };
-    }
-    Ok(())
-}
-
 /// Lists how much each point of the selected view counts at the cylinder of the last fit, in the order of the residuals
 /// POINTS: by the weights of the objective ROBUST, whatever was minimised.
 ///
@@ -101,26 +78,24 @@ pub unsafe extern "C" fn cylfuse_fitter_point_weights(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `out_weights` NULL or room for `capacity` doubles,
+    // `out_inliers` NULL or room for `capacity` bytes, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let count = Slot::new(out_count, "out_count")?;
             last_result(&content.fitter, "listing weights")?;
             let weights = content.fitter.point_weights(None)?;
-            let needed = weights.len();
+            let (needed, name) = (weights.len(), "the output");
             count.write(needed);
             if needed > capacity {
-                let name = "the output";
                 return Err(Failure::BufferTooSmall { name, capacity, needed });
             }
-            for (index, weight) in weights.into_iter().enumerate() {
-                // The index is below the capacity; no alignment is assumed.
-                if !out_weights.is_null() {
-                    out_weights.add(index).write_unaligned(weight);
-                }
-                if !out_inliers.is_null() {
-                    out_inliers.add(index).write((weight > 0.0).into());
-                }
+            if !out_weights.is_null() {
+                Room::new(out_weights, needed, capacity, name)?.fill(weights.iter().copied());
+            }
+            if !out_inliers.is_null() {
+                let inliers = weights.iter().map(|weight| (*weight > 0.0).into());
+                Room::new(out_inliers, needed, capacity, name)?.fill(inliers);
             }
             Ok(())
         })
@@ -145,7 +120,8 @@ pub unsafe extern "C" fn cylfuse_fitter_point_parts(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `out` NULL or room for
+    // `capacity` parts, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let count = Slot::new(out_count, "out_count")?;
@@ -173,7 +149,8 @@ pub unsafe extern "C" fn cylfuse_fitter_limbs(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `out` NULL or room for `capacity` elements of
+    // `element_size` bytes, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = OutputArray::new(out, element_size, capacity, out_count)?;
@@ -224,7 +201,8 @@ pub unsafe extern "C" fn cylfuse_fitter_limb_samples(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `out` NULL or room for `capacity` elements of
+    // `element_size` bytes, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = OutputArray::new(out, element_size, capacity, out_count)?;
@@ -275,7 +253,8 @@ pub unsafe extern "C" fn cylfuse_fitter_end_samples(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
+    // be read, `out` NULL or room for `capacity` elements of `element_size` bytes, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = OutputArray::new(out, element_size, capacity, out_count)?;

@@ -2,6 +2,7 @@
 
 use super::callbacks::cylfuse_fit_all_fn;
 use super::handle::{change_quietly, cylfuse_fitter, stateless};
+use super::lists::{Room, list};
 use super::status::{Failure, cylfuse_status};
 use super::texts::{self, Text};
 use crate::error::{cancelled_if, with_room};
@@ -46,26 +47,22 @@ pub unsafe extern "C" fn cylfuse_fit_all(
     out_statuses: *mut cylfuse_status,
 ) -> cylfuse_status {
     stateless(|| {
-        // SAFETY: the contract of the header.
+        // SAFETY: as the header asks, `fitters` is NULL or points to `count` pointers, each NULL or to a living fitter.
         let mut fitters = unsafe { read(fitters, count) }?;
-        if count > 0 && out_statuses.is_null() {
-            return Err(Failure::NullPointer { name: "out_statuses" });
-        }
+        // SAFETY: as the header asks, `out_statuses` is NULL or has room for `count` statuses.
+        let out = unsafe { Room::new(out_statuses, count, count, "out_statuses") }?;
         // The callback asks fitters for their texts, not this thread for that of an earlier call.
         texts::keep(texts::NO_HANDLE, Text::EMPTY);
         let caller = texts::this_thread();
         let mut stopped = false;
         let mut ended = |index: usize, status: &cylfuse_status| {
-            // SAFETY: the caller gave the function for this use.
+            // SAFETY: the caller gave the function for this use, with its `user_data`.
             stopped = callback.is_some_and(|function| unsafe { function(index, *status, user_data) } != 0);
             if stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let statuses =
             each(&mut fitters, threads as usize, |fitter, stopped| fit(fitter, stopped, caller), &mut ended);
-        for (index, status) in statuses.into_iter().enumerate() {
-            // SAFETY: the index is below the count; no alignment is assumed.
-            unsafe { out_statuses.add(index).write_unaligned(status) };
-        }
+        out.fill(statuses.into_iter());
         Ok(cancelled_if(stopped)?)
     })
 }
@@ -85,15 +82,12 @@ fn fit(fitter: &Shared<'_>, stopped: &dyn Fn() -> bool, caller: u64) -> cylfuse_
 /// # Safety
 /// `fitters` is NULL or points to `count` pointers, which are NULL or point to fitters that outlive the list.
 unsafe fn read<'a>(fitters: *const *mut cylfuse_fitter, count: usize) -> Result<Vec<Shared<'a>>, Failure> {
-    if count > 0 && fitters.is_null() {
-        return Err(Failure::NullPointer { name: "fitters" });
-    }
-    let mut list = with_room(count, "the list of fitters")?;
-    for index in 0..count {
-        // SAFETY: the index is below the count; no alignment is assumed.
-        list.push(Shared(unsafe { fitters.add(index).read_unaligned().as_ref() }));
-    }
-    let address = |index: usize| list[index].0.map(std::ptr::from_ref);
+    // SAFETY: the caller promises NULL or `count` pointers.
+    let pointers = unsafe { list(fitters, count, "fitters") }?;
+    let mut shared = with_room(count, "the list of fitters")?;
+    // SAFETY: the caller promises that each is NULL or a fitter that outlives the list.
+    shared.extend(pointers.map(|pointer| Shared(unsafe { pointer.as_ref() })));
+    let address = |index: usize| shared[index].0.map(std::ptr::from_ref);
     let mut sorted: Vec<usize> = (0..count).filter(|&index| address(index).is_some()).collect();
     sorted.sort_by_key(|&index| (address(index), index));
     match sorted.windows(2).find(|pair| address(pair[0]) == address(pair[1])) {
@@ -101,6 +95,6 @@ unsafe fn read<'a>(fitters: *const *mut cylfuse_fitter, count: usize) -> Result<
             let value = format!("the same as fitters[{first}]");
             Err(Failure::argument(format!("fitters[{second}]"), value, "be another fitter"))
         }
-        _ => Ok(list),
+        _ => Ok(shared),
     }
 }

@@ -1,8 +1,9 @@
 //! What a camera sees where, without a fitter.
 
 use super::handle::stateless;
+use super::lists::{Room, list};
 use super::sized::read;
-use super::status::{Failure, cylfuse_status};
+use super::status::cylfuse_status;
 use super::structs::{cylfuse_intrinsics, cylfuse_points_view};
 use super::views;
 use crate::camera::Camera;
@@ -24,20 +25,19 @@ pub unsafe extern "C" fn cylfuse_intrinsics_project(
     out_pixels: *mut f64,
     capacity: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `points` NULL or points that
+    // can be read, and `out_pixels` NULL or room for `capacity` pixels.
     unsafe {
         stateless(|| {
             let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
             let points = views::points_view(&read(points, "points")?)?;
             let (width, height) = (points.width(), points.height());
             let needed = width * height;
-            check_room(needed, out_pixels, capacity, "out_pixels")?;
-            let out = out_pixels.cast::<[f64; 2]>();
-            for index in 0..needed {
+            let out = Room::new(out_pixels.cast::<[f64; 2]>(), needed, capacity, "out_pixels")?;
+            out.fill((0..needed).map(|index| {
                 let pixel = camera.project(&points.points.at(index % width, index / width));
-                // The index is below the capacity.
-                out.add(index).write_unaligned(pixel.map_or([f64::NAN; 2], Into::into));
-            }
+                pixel.map_or([f64::NAN; 2], Into::into)
+            }));
             Ok(())
         })
     }
@@ -61,37 +61,18 @@ pub unsafe extern "C" fn cylfuse_intrinsics_unproject(
     count: usize,
     out_rays: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `pixels` NULL or 2 doubles for
+    // each of `count` pixels, and `out_rays` NULL or room for `count` rays.
     unsafe {
         stateless(|| {
             let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            if count > 0 && pixels.is_null() {
-                return Err(Failure::NullPointer { name: "pixels" });
-            }
-            check_room(count, out_rays, count, "out_rays")?;
-            let (pixels, out) = (pixels.cast::<[f64; 2]>(), out_rays.cast::<[f64; 3]>());
-            for index in 0..count {
-                // Both arrays have `count` elements.
-                let ray = camera.unproject(&Vector2::from(pixels.add(index).read_unaligned()));
-                out.add(index).write_unaligned(ray.map_or([f64::NAN; 3], Into::into));
-            }
+            let pixels = list(pixels.cast::<[f64; 2]>(), count, "pixels")?;
+            let out = Room::new(out_rays.cast::<[f64; 3]>(), count, count, "out_rays")?;
+            out.fill(pixels.map(|pixel| {
+                let ray = camera.unproject(&Vector2::from(pixel));
+                ray.map_or([f64::NAN; 3], Into::into)
+            }));
             Ok(())
         })
     }
-}
-
-/// Refuses an output without room for what is needed.
-pub(super) fn check_room<T>(
-    needed: usize,
-    out: *const T,
-    capacity: usize,
-    name: &'static str,
-) -> Result<(), Failure> {
-    if needed > capacity {
-        return Err(Failure::BufferTooSmall { name, capacity, needed });
-    }
-    if needed > 0 && out.is_null() {
-        return Err(Failure::NullPointer { name });
-    }
-    Ok(())
 }

@@ -38,7 +38,7 @@ pub unsafe extern "C" fn cylfuse_decide_conformity(
     out_conformity: *mut cylfuse_conformity,
 ) -> cylfuse_status {
     stateless(|| {
-        // SAFETY: the contract of the header.
+        // SAFETY: as the header asks, `out_conformity` is NULL or writable.
         let out = unsafe { Slot::new(out_conformity, "out_conformity") }?;
         let flags = Flags::from_bits(flags.0).ok_or_else(|| {
             Failure::argument("flags", flags.0, "be the flags of a result, of this library or an older one")

@@ -1,9 +1,9 @@
 //! Geometry and plans without a fitter: `cylfuse_fitter_last_error(NULL)` tells the thread what was wrong.
 
-use super::camera::check_room;
 use super::handle::stateless;
+use super::lists::{Room, numbers};
 use super::sized::read;
-use super::status::{Failure, cylfuse_status};
+use super::status::cylfuse_status;
 use super::structs::{cylfuse_cylinder, cylfuse_intrinsics, cylfuse_points_view};
 use super::views::{self, Slot, cylinder};
 use crate::camera::Camera;
@@ -26,20 +26,20 @@ pub unsafe extern "C" fn cylfuse_cylinder_distances(
     out: *mut f64,
     capacity: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `model` is NULL or a cylinder, `points` NULL or points that can be read, and `out`
+    // NULL or room for `capacity` doubles.
     unsafe {
         stateless(|| {
             let cylinder = cylinder(model, "model")?;
             let points = views::points_view(&read(points, "points")?)?;
             let (width, height) = (points.width(), points.height());
             let needed = width * height;
-            check_room(needed, out, capacity, "out")?;
-            for index in 0..needed {
+            let out = Room::new(out, needed, capacity, "out")?;
+            out.fill((0..needed).map(|index| {
                 let point = points.points.at(index % width, index / width);
                 let distance = cylinder.distance(&point);
-                // The index is below the capacity.
-                out.add(index).write_unaligned(if distance.is_finite() { distance } else { f64::NAN });
-            }
+                if distance.is_finite() { distance } else { f64::NAN }
+            }));
             Ok(())
         })
     }
@@ -60,7 +60,8 @@ pub unsafe extern "C" fn cylfuse_cylinder_project(
     intrinsics: *const cylfuse_intrinsics,
     out_lines: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `model` is NULL or a cylinder, `intrinsics` NULL or a struct of its `struct_size`,
+    // and `out_lines` NULL or room for 6 doubles.
     unsafe {
         stateless(|| {
             let out = Slot::new(out_lines.cast::<[f64; 6]>(), "out_lines")?;
@@ -92,7 +93,8 @@ pub unsafe extern "C" fn cylfuse_cylinder_compare(
     out_axis_distance: *mut f64,
     out_radius_relative: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `a` and `b` are each NULL or a cylinder, and `out_angle`, `out_axis_distance` and
+    // `out_radius_relative` each NULL or writable.
     unsafe {
         stateless(|| {
             let angle = Slot::new(out_angle, "out_angle")?;
@@ -134,31 +136,28 @@ pub unsafe extern "C" fn cylfuse_plan(
     out_scatter: *mut f64,
     out_total: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `cylinder` NULL or 5 doubles,
+    // `noise` NULL or 6 doubles, and `out_scatter` and `out_total` each NULL or room for 4 doubles.
     unsafe {
         stateless(|| {
             let scatter = Slot::new(out_scatter.cast::<[f64; 4]>(), "out_scatter")?;
             let total = Slot::new(out_total.cast::<[f64; 4]>(), "out_total")?;
-            if cylinder.is_null() {
-                return Err(Failure::NullPointer { name: "cylinder" });
-            }
-            let [distance, radius, length, tilt, turn] = cylinder.cast::<[f64; 5]>().read_unaligned();
+            let [distance, radius, length, tilt, turn] = numbers(cylinder, "cylinder")?;
             let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
             let depth = DepthNoise::structured_light(&camera);
             let mut plan = Plan { distance, radius, length, tilt, turn, ..Plan::new(camera, depth) };
             if !noise.is_null() {
-                let [constant, linear, quadratic, correlation, noise, blur] =
-                    noise.cast::<[f64; 6]>().read_unaligned();
+                let [constant, linear, quadratic, correlation, noise, blur] = numbers(noise, "noise")?;
                 plan.depth = DepthNoise { constant, linear, quadratic, correlation };
                 plan.step = StepNoise::alike(noise, blur);
             }
             let expected = plan.expected()?;
-            let numbers = |deviations: &Deviations| {
+            let in_order = |deviations: &Deviations| {
                 let Deviations { radius, direction, position, length } = *deviations;
                 [radius, direction, position, length.unwrap_or(f64::NAN)]
             };
-            scatter.write(numbers(&expected.scatter));
-            total.write(numbers(&expected.total));
+            scatter.write(in_order(&expected.scatter));
+            total.write(in_order(&expected.total));
             Ok(())
         })
     }

@@ -18,9 +18,9 @@ use crate::observations::MaskView;
 pub(super) unsafe fn optional_mask<'a>(
     mask: *const cylfuse_mask_view,
 ) -> Result<Option<MaskView<'a>>, Failure> {
-    // SAFETY: the caller's obligation.
+    // SAFETY: the caller promises a mask or NULL.
     let mask = unsafe { read_optional(mask, "mask") }?;
-    // SAFETY: the caller's obligation.
+    // SAFETY: the caller promises that its pixels can be read during `'a`.
     mask.map(|mask| unsafe { views::mask_view(&mask) }).transpose()
 }
 
@@ -47,7 +47,8 @@ pub unsafe extern "C" fn cylfuse_fitter_push_points(
     points: *const cylfuse_points_view,
     mask: *const cylfuse_mask_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `points` NULL or points that can be read, and `mask` NULL
+    // or a mask that can be read.
     unsafe {
         enter_to_change(fitter, |content, _| {
             let points = views::points_view(&read(points, "points")?)?;
@@ -73,7 +74,8 @@ pub unsafe extern "C" fn cylfuse_fitter_push_depth(
     depth: *const cylfuse_depth_view,
     mask: *const cylfuse_mask_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `depth` NULL or a depth image that can be read, and `mask`
+    // NULL or a mask that can be read.
     unsafe {
         enter_to_change(fitter, |content, _| {
             let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
@@ -99,7 +101,7 @@ pub unsafe extern "C" fn cylfuse_fitter_push_image(
     fitter: *mut cylfuse_fitter,
     image: *const cylfuse_image_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `image` NULL or an image that can be read.
     unsafe {
         enter_to_change(fitter, |content, _| {
             content.fitter.push_image(&views::image_view(&read(image, "image")?)?)?;
@@ -121,7 +123,7 @@ pub unsafe extern "C" fn cylfuse_fitter_push_edges(
     fitter: *mut cylfuse_fitter,
     segments: *const cylfuse_segments_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `segments` NULL or segments that can be read.
     unsafe {
         enter_to_change(fitter, |content, _| {
             let segments = views::segments(&read(segments, "segments")?)?;
@@ -143,7 +145,7 @@ pub unsafe extern "C" fn cylfuse_fitter_counts(
     fitter: *const cylfuse_fitter,
     out_counts: *mut cylfuse_counts,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_counts` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Output::new(out_counts, "out_counts")?;

@@ -25,7 +25,7 @@ unsafe fn fill<T: SizeTagged>(
     defaults: impl FnOnce() -> T,
 ) -> cylfuse_status {
     stateless(|| {
-        // SAFETY: the caller's obligation.
+        // SAFETY: the caller promises NULL or room for `struct_size` bytes.
         unsafe { init(pointer, name, struct_size, &defaults()) }
     })
 }
@@ -40,7 +40,7 @@ pub unsafe extern "C" fn cylfuse_options_init(
     options: *mut cylfuse_options,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `options` is NULL or room for `struct_size` bytes.
     unsafe { fill(options, "options", struct_size, || (&Options::default()).into()) }
 }
 
@@ -54,7 +54,7 @@ pub unsafe extern "C" fn cylfuse_detector_options_init(
     options: *mut cylfuse_detector_options,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `options` is NULL or room for `struct_size` bytes.
     unsafe { fill(options, "options", struct_size, || (&DetectorOptions::default()).into()) }
 }
 
@@ -67,7 +67,7 @@ pub unsafe extern "C" fn cylfuse_intrinsics_init(
     intrinsics: *mut cylfuse_intrinsics,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `intrinsics` is NULL or room for `struct_size` bytes.
     unsafe { fill(intrinsics, "intrinsics", struct_size, zeroed) }
 }
 
@@ -81,7 +81,7 @@ pub unsafe extern "C" fn cylfuse_points_view_init(
     points: *mut cylfuse_points_view,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `points` is NULL or room for `struct_size` bytes.
     unsafe { fill(points, "points", struct_size, || cylfuse_points_view { height: 1, ..zeroed() }) }
 }
 
@@ -95,7 +95,7 @@ pub unsafe extern "C" fn cylfuse_depth_view_init(
     depth: *mut cylfuse_depth_view,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `depth` is NULL or room for `struct_size` bytes.
     unsafe { fill(depth, "depth", struct_size, || cylfuse_depth_view { scale: 1.0, ..zeroed() }) }
 }
 
@@ -108,7 +108,7 @@ pub unsafe extern "C" fn cylfuse_mask_view_init(
     mask: *mut cylfuse_mask_view,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `mask` is NULL or room for `struct_size` bytes.
     unsafe { fill(mask, "mask", struct_size, zeroed) }
 }
 
@@ -122,7 +122,7 @@ pub unsafe extern "C" fn cylfuse_image_view_init(
     image: *mut cylfuse_image_view,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `image` is NULL or room for `struct_size` bytes.
     unsafe { fill(image, "image", struct_size, || cylfuse_image_view { gamma: 1.0, ..zeroed() }) }
 }
 
@@ -135,7 +135,7 @@ pub unsafe extern "C" fn cylfuse_segments_view_init(
     segments: *mut cylfuse_segments_view,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `segments` is NULL or room for `struct_size` bytes.
     unsafe { fill(segments, "segments", struct_size, zeroed) }
 }
 
@@ -148,7 +148,7 @@ pub unsafe extern "C" fn cylfuse_points_out_init(
     out: *mut cylfuse_points_out,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `out` is NULL or room for `struct_size` bytes.
     unsafe { fill(out, "out", struct_size, zeroed) }
 }
 
@@ -161,7 +161,7 @@ pub unsafe extern "C" fn cylfuse_depth_out_init(
     out: *mut cylfuse_depth_out,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `out` is NULL or room for `struct_size` bytes.
     unsafe { fill(out, "out", struct_size, || cylfuse_depth_out { scale: 1.0, ..zeroed() }) }
 }
 
@@ -174,7 +174,7 @@ pub unsafe extern "C" fn cylfuse_counts_init(
     counts: *mut cylfuse_counts,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `counts` is NULL or room for `struct_size` bytes.
     unsafe { fill(counts, "counts", struct_size, zeroed) }
 }
 
@@ -187,7 +187,7 @@ pub unsafe extern "C" fn cylfuse_result_init(
     result: *mut cylfuse_result,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `result` is NULL or room for `struct_size` bytes.
     unsafe { fill(result, "result", struct_size, zeroed) }
 }
 
@@ -200,7 +200,7 @@ pub unsafe extern "C" fn cylfuse_cylinder_estimate_init(
     estimate: *mut cylfuse_cylinder_estimate,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `estimate` is NULL or room for `struct_size` bytes.
     unsafe { fill(estimate, "estimate", struct_size, zeroed) }
 }
 
@@ -213,7 +213,7 @@ pub unsafe extern "C" fn cylfuse_cylinder_diagnosis_init(
     diagnosis: *mut cylfuse_cylinder_diagnosis,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `diagnosis` is NULL or room for `struct_size` bytes.
     unsafe { fill(diagnosis, "diagnosis", struct_size, zeroed) }
 }
 
@@ -226,7 +226,7 @@ pub unsafe extern "C" fn cylfuse_completion_init(
     completion: *mut cylfuse_completion,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `completion` is NULL or room for `struct_size` bytes.
     unsafe { fill(completion, "completion", struct_size, zeroed) }
 }
 
@@ -239,6 +239,6 @@ pub unsafe extern "C" fn cylfuse_extent_init(
     extent: *mut cylfuse_extent,
     struct_size: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `extent` is NULL or room for `struct_size` bytes.
     unsafe { fill(extent, "extent", struct_size, zeroed) }
 }

@@ -1,9 +1,9 @@
 //! What a detector found.
 
-use super::arrays::write_numbers;
 use super::detector::cylfuse_detector;
 use super::handle::{Content, Handle, cylfuse_fitter, enter_to_read};
 use super::library::allocate;
+use super::lists::write_numbers;
 use super::results::{cylfuse_cylinder_estimate, cylfuse_detection, cylfuse_extent, cylfuse_result};
 use super::sized::{Output, OutputArray};
 use super::status::cylfuse_status;
@@ -19,7 +19,7 @@ pub unsafe extern "C" fn cylfuse_detector_count(
     detector: *const cylfuse_detector,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(detector, |content, _| {
             Slot::new(out_count, "out_count")?.write(content.scene()?.cylinders.len());
@@ -41,7 +41,7 @@ pub unsafe extern "C" fn cylfuse_detector_is_complete(
     detector: *const cylfuse_detector,
     out_complete: *mut i32,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_complete` NULL or writable.
     unsafe {
         enter_to_read(detector, |content, _| {
             Slot::new(out_complete, "out_complete")?.write(i32::from(content.scene()?.complete));
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn cylfuse_detector_depth_moved(
     out_columns: *mut i32,
     out_rows: *mut i32,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_columns` and `out_rows` each NULL or writable.
     unsafe {
         enter_to_read(detector, |content, _| {
             let out = [Slot::new(out_columns, "out_columns")?, Slot::new(out_rows, "out_rows")?];
@@ -92,7 +92,8 @@ pub unsafe extern "C" fn cylfuse_detector_detections(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, `out` NULL or room for `capacity` elements of
+    // `element_size` bytes, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(detector, |content, _| {
             let out = OutputArray::new(out, element_size, capacity, out_count)?;
@@ -117,7 +118,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_result(
     index: usize,
     out_result: *mut cylfuse_result,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_result` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(detector, |content, _| {
             let out = Output::new(out_result, "out_result")?;
@@ -139,7 +140,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_cylinder(
     index: usize,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_estimate` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(detector, |content, _| {
             let out = Output::new(out_estimate, "out_estimate")?;
@@ -162,7 +163,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_extent(
     index: usize,
     out_extent: *mut cylfuse_extent,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_extent` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(detector, |content, _| {
             let out = Output::new(out_extent, "out_extent")?;
@@ -188,7 +189,8 @@ pub unsafe extern "C" fn cylfuse_detector_labels(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, `out` NULL or room for `capacity` numbers, and
+    // `out_count` NULL or writable.
     unsafe {
         enter_to_read(detector, |content, _| {
             let count = Slot::new(out_count, "out_count")?;
@@ -213,7 +215,8 @@ pub unsafe extern "C" fn cylfuse_detector_indices(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, `out` NULL or room for `capacity` indices, and
+    // `out_count` NULL or writable.
     unsafe {
         enter_to_read(detector, |content, _| {
             let count = Slot::new(out_count, "out_count")?;
@@ -240,7 +243,7 @@ pub unsafe extern "C" fn cylfuse_detector_make_fitter(
     index: usize,
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_fitter` NULL or writable.
     unsafe {
         enter_to_read(detector, |content, _| {
             let out = Slot::new(out_fitter, "out_fitter")?;

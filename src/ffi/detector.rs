@@ -2,7 +2,7 @@
 
 use super::callbacks::{Callback, cylfuse_detection_progress_fn};
 use super::frame::{content_of, cylfuse_frame};
-use super::handle::{Cancel, Handle, Opaque, cancel, enter_to_change, enter_to_read, last_error};
+use super::handle::{Cancel, Handle, Opaque, borrow, cancel, enter_to_change, enter_to_read, last_error};
 use super::library::{create, destroy};
 use super::options::saturated;
 use super::outcomes::cylfuse_detection_phase;
@@ -114,7 +114,7 @@ pub unsafe extern "C" fn cylfuse_detector_create(
     abi_version: u32,
     out_detector: *mut *mut cylfuse_detector,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `out_detector` is NULL or writable.
     unsafe { create(abi_version, out_detector, "out_detector") }
 }
 
@@ -125,7 +125,7 @@ pub unsafe extern "C" fn cylfuse_detector_create(
 ///   destroyed then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_destroy(detector: *mut cylfuse_detector) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and no other call on it runs or follows.
     unsafe { destroy(detector) }
 }
 
@@ -136,7 +136,7 @@ pub unsafe extern "C" fn cylfuse_detector_destroy(detector: *mut cylfuse_detecto
 ///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_last_error(detector: *const cylfuse_detector) -> *const c_char {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive.
     unsafe { last_error(detector) }
 }
 
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn cylfuse_detector_last_error(detector: *const cylfuse_de
 /// @param detector the detector
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_detector_cancel(detector: *mut cylfuse_detector) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive.
     unsafe { cancel(detector) }
 }
 
@@ -160,7 +160,7 @@ pub unsafe extern "C" fn cylfuse_detector_set_options(
     detector: *mut cylfuse_detector,
     options: *const cylfuse_detector_options,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `options` NULL or a struct of its `struct_size`.
     unsafe {
         enter_to_change(detector, |content, _| {
             let given = read(options, "options")?.read(&content.detector.options().fit)?;
@@ -178,7 +178,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_options(
     detector: *const cylfuse_detector,
     out_options: *mut cylfuse_detector_options,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_options` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(detector, |content, _| {
             Output::new(out_options, "out_options")?.write(&content.detector.options().into());
@@ -199,7 +199,7 @@ pub unsafe extern "C" fn cylfuse_detector_set_fit_options(
     detector: *mut cylfuse_detector,
     options: *const cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `options` NULL or a struct of its `struct_size`.
     unsafe {
         enter_to_change(detector, |content, _| {
             let fit = read(options, "options")?.read()?;
@@ -217,7 +217,7 @@ pub unsafe extern "C" fn cylfuse_detector_get_fit_options(
     detector: *const cylfuse_detector,
     out_options: *mut cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_options` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(detector, |content, _| {
             Output::new(out_options, "out_options")?.write(&(&content.detector.options().fit).into());
@@ -237,7 +237,7 @@ pub unsafe extern "C" fn cylfuse_detector_set_progress(
     callback: cylfuse_detection_progress_fn,
     user_data: *mut c_void,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive.
     unsafe {
         enter_to_change(detector, |content, _| {
             content.progress = Callback { function: callback, user_data };
@@ -259,11 +259,10 @@ pub unsafe extern "C" fn cylfuse_detector_detect(
     detector: *mut cylfuse_detector,
     frame: *const cylfuse_frame,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `frame` NULL or alive.
     unsafe {
         enter_to_change(detector, |content, cancel| {
-            let Some(frame) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
-            let frame = content_of(frame)?;
+            let frame = content_of(borrow(frame)?)?;
             content.search(cancel, |detector, observer| detector.detect_with(&frame, observer))
         })
     }
@@ -283,7 +282,7 @@ pub unsafe extern "C" fn cylfuse_detector_detect_points(
     detector: *mut cylfuse_detector,
     points: *const cylfuse_points_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `detector` is NULL or alive, and `points` NULL or points that can be read.
     unsafe {
         enter_to_change(detector, |content, cancel| {
             let points = views::points_view(&read(points, "points")?)?;

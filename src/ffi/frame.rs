@@ -1,7 +1,7 @@
 //! What a camera delivered at one time, for any number of fits.
 
 use super::data::{log_points, optional_mask};
-use super::handle::{self, Handle, Opaque, cylfuse_fitter, enter_to_change, last_error};
+use super::handle::{self, Handle, Opaque, borrow, cylfuse_fitter, enter_to_change, last_error};
 use super::library::{create, destroy};
 use super::sized::read;
 use super::status::{Failure, cylfuse_status};
@@ -39,7 +39,7 @@ pub unsafe extern "C" fn cylfuse_frame_create(
     abi_version: u32,
     out_frame: *mut *mut cylfuse_frame,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `out_frame` is NULL or writable.
     unsafe { create(abi_version, out_frame, "out_frame") }
 }
 
@@ -50,7 +50,7 @@ pub unsafe extern "C" fn cylfuse_frame_create(
 /// @return BUSY when a call on the frame is running; nothing is destroyed then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_destroy(frame: *mut cylfuse_frame) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `frame` is NULL or alive, and no other call on it runs or follows.
     unsafe { destroy(frame) }
 }
 
@@ -62,7 +62,7 @@ pub unsafe extern "C" fn cylfuse_frame_destroy(frame: *mut cylfuse_frame) -> cyl
 ///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_frame_last_error(frame: *const cylfuse_frame) -> *const c_char {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `frame` is NULL or alive.
     unsafe { last_error(frame) }
 }
 
@@ -77,7 +77,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
     frame: *mut cylfuse_frame,
     intrinsics: *const cylfuse_intrinsics,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `frame` is NULL or alive, and `intrinsics` NULL or a struct of its `struct_size`.
     unsafe {
         enter_to_change(frame, |frame, _| {
             let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
@@ -98,7 +98,8 @@ pub unsafe extern "C" fn cylfuse_frame_set_pose(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `frame` is NULL or alive, `rotation` NULL or 9 doubles, and `translation` NULL or 3
+    // doubles.
     unsafe {
         enter_to_change(frame, |frame, _| {
             frame.set_pose(views::motion(rotation, translation)?);
@@ -123,7 +124,8 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `frame` is NULL or alive, `intrinsics` NULL or a struct of its `struct_size`,
+    // `rotation` NULL or 9 doubles, and `translation` NULL or 3 doubles.
     unsafe {
         enter_to_change(frame, |frame, _| {
             Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
@@ -142,7 +144,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth(
     frame: *mut cylfuse_frame,
     depth: *const cylfuse_depth_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `frame` is NULL or alive, and `depth` NULL or a depth image that can be read.
     unsafe {
         enter_to_change(frame, |frame, _| {
             let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
@@ -162,7 +164,7 @@ pub unsafe extern "C" fn cylfuse_frame_set_image(
     frame: *mut cylfuse_frame,
     image: *const cylfuse_image_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `frame` is NULL or alive, and `image` NULL or an image that can be read.
     unsafe {
         enter_to_change(frame, |frame, _| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?))
     }
@@ -183,10 +185,11 @@ pub unsafe extern "C" fn cylfuse_fitter_use_frame(
     frame: *const cylfuse_frame,
     mask: *const cylfuse_mask_view,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `frame` NULL or alive, and `mask` NULL or a mask that can
+    // be read.
     unsafe {
         enter_to_change(fitter, |content, _| {
-            let Some(frame) = frame.as_ref() else { return Err(Failure::NullPointer { name: "frame" }) };
+            let frame = borrow(frame)?;
             let mask = optional_mask(mask)?;
             let frame = content_of(frame)?;
             if frame.camera().is_none() {
@@ -222,10 +225,10 @@ pub(super) unsafe fn depth_camera(
     if intrinsics.is_null() {
         return Ok(None);
     }
-    // SAFETY: the caller's obligation.
+    // SAFETY: not NULL, so the caller promises intrinsics.
     let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
     let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
-    // SAFETY: the caller's obligation.
+    // SAFETY: the intrinsics are not NULL, so the caller promises what `motion` needs.
     let to_color = unsafe { views::motion(rotation, translation) }?;
     Ok(Some(DepthCamera { camera, to_color }))
 }

@@ -273,7 +273,8 @@ pub(super) unsafe fn enter_to_change<H: Opaque>(
     owner: *mut H,
     call: impl FnOnce(&mut H::Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
-    // SAFETY: the caller's obligation. All that other threads reach is atomic, locked or guarded by `access`.
+    // SAFETY: the caller promises NULL or a living handle, of which all that other threads reach is atomic, locked or
+    // guarded by `access`.
     let Some(owner) = (unsafe { owner.as_ref() }) else { return no_handle(H::NAME) };
     alone(owner.handle(), |content, cancel| {
         let result = call(content, cancel);
@@ -289,7 +290,7 @@ pub(super) unsafe fn enter_to_read<H: Opaque>(
     owner: *const H,
     call: impl FnOnce(&H::Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
-    // SAFETY: the caller's obligation, as above.
+    // SAFETY: the caller promises NULL or a living handle.
     match unsafe { owner.as_ref() } {
         Some(owner) => read(owner, call),
         None => no_handle(H::NAME),
@@ -301,7 +302,7 @@ pub(super) unsafe fn enter_to_read<H: Opaque>(
 /// # Safety
 /// As [`enter_to_change`].
 pub(super) unsafe fn cancel<H: Opaque>(owner: *mut H) -> cylfuse_status {
-    // SAFETY: the caller's obligation, as above.
+    // SAFETY: the caller promises NULL or a living handle.
     match unsafe { owner.as_ref() } {
         Some(owner) => owner.handle().cancel(),
         None => no_handle(H::NAME),
@@ -313,11 +314,20 @@ pub(super) unsafe fn cancel<H: Opaque>(owner: *mut H) -> cylfuse_status {
 /// # Safety
 /// As [`enter_to_change`].
 pub(super) unsafe fn last_error<H: Opaque>(owner: *const H) -> *const c_char {
-    // SAFETY: the caller's obligation, as above.
+    // SAFETY: the caller promises NULL or a living handle.
     match unsafe { owner.as_ref() } {
         Some(owner) => owner.handle().last_error(),
         None => texts::last_of_thread(),
     }
+}
+
+/// A handle that a call on another one is given.
+///
+/// # Safety
+/// As [`enter_to_change`], for as long as the reference lives.
+pub(super) unsafe fn borrow<'a, H: Opaque>(owner: *const H) -> Result<&'a H, Failure> {
+    // SAFETY: the caller promises NULL or a living handle.
+    unsafe { owner.as_ref() }.ok_or(Failure::NullPointer { name: H::NAME })
 }
 
 /// A call on a handle that is NULL.

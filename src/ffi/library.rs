@@ -78,7 +78,7 @@ pub(super) unsafe fn create<H: Default>(
     name: &'static str,
 ) -> cylfuse_status {
     stateless(|| {
-        // SAFETY: the caller's obligation.
+        // SAFETY: the caller promises NULL or room for a pointer.
         let out = unsafe { Slot::new(out, name) }?;
         out.write(std::ptr::null_mut());
         if abi_version != CYLFUSE_ABI_VERSION {
@@ -107,7 +107,7 @@ pub(super) fn allocate<H>(value: H) -> Result<*mut H, Failure> {
 /// # Safety
 /// `handle` is NULL or came from [`allocate`], and no other call on it follows.
 pub(super) unsafe fn destroy<H: Opaque>(handle: *mut H) -> cylfuse_status {
-    // SAFETY: NULL or living, by the caller's obligation.
+    // SAFETY: the caller promises NULL or a living handle.
     let Some(living) = (unsafe { handle.as_ref() }) else { return stateless(|| Ok(())) };
     if !living.handle().close() {
         return cylfuse_status::BUSY;

@@ -21,7 +21,7 @@ pub unsafe extern "C" fn cylfuse_fitter_create(
     abi_version: u32,
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `out_fitter` is NULL or writable.
     unsafe { create(abi_version, out_fitter, "out_fitter") }
 }
 
@@ -37,7 +37,7 @@ pub unsafe extern "C" fn cylfuse_fitter_clone(
     fitter: *const cylfuse_fitter,
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_fitter` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Slot::new(out_fitter, "out_fitter")?;
@@ -56,7 +56,7 @@ pub unsafe extern "C" fn cylfuse_fitter_clone(
 ///   nothing is destroyed then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_destroy(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and no other call on it runs or follows.
     unsafe { destroy(fitter) }
 }
 
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn cylfuse_fitter_reserve(
     points: usize,
     segments: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe { enter_to_change(fitter, |content, _| Ok(content.fitter.reserve(points, segments)?)) }
 }
 
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn cylfuse_fitter_reserve(
 /// @param fitter the fitter
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_clear(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe {
         enter_to_change(fitter, |content, _| {
             content.fitter.clear();
@@ -101,7 +101,7 @@ pub unsafe extern "C" fn cylfuse_fitter_clear_input(
     fitter: *mut cylfuse_fitter,
     inputs: cylfuse_input,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe {
         enter_to_change(fitter, |content, _| {
             content.fitter.clear_inputs(inputs.read("inputs")?);
@@ -123,7 +123,7 @@ pub unsafe extern "C" fn cylfuse_fitter_clear_input(
 ///   NULL
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter) -> *const c_char {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe { last_error(fitter) }
 }
 
@@ -133,6 +133,6 @@ pub unsafe extern "C" fn cylfuse_fitter_last_error(fitter: *const cylfuse_fitter
 /// @param fitter the fitter
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_cancel(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe { cancel(fitter) }
 }

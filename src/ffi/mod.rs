@@ -11,10 +11,13 @@
 //!   handle after a panic,
 //! - `sized` reads and writes the structs that grow with later versions,
 //! - `views` turns pointers and strides into the views of the safe library,
+//! - `lists` reads and writes plain numbers,
 //! - the files named after the groups of functions do the rest.
 //!
-//! The contract behind every `unsafe` block here is the header's: a pointer is NULL or points to as many bytes
-//! as the parameter or the struct says, and stays valid during the call. Everything else is checked.
+//! The contract behind the `unsafe` blocks of the exported functions is the header's, and each block names what it
+//! needs of it. A handle is alive from its create function to its destroy function. Any other pointer is NULL or
+//! leads to as many bytes as the parameter or the struct says, during the whole call; nobody writes to what is read
+//! meanwhile, and nobody touches what is written. Everything else is checked.
 
 // The names are those of the header. The texts are for its readers: what a caller must keep to is said of each
 // parameter, and statuses are named without their prefix.
@@ -41,6 +44,7 @@ mod guard;
 mod handle;
 mod library;
 mod lifetime;
+mod lists;
 mod options;
 mod outcomes;
 mod panic_test;

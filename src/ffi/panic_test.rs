@@ -10,6 +10,6 @@ use super::status::cylfuse_status;
 #[doc(hidden)]
 #[must_use]
 pub unsafe fn panic_in_a_call(fitter: *mut cylfuse_fitter) -> cylfuse_status {
-    // SAFETY: the contract of this function.
+    // SAFETY: the caller promises NULL or a living fitter.
     unsafe { enter_to_change(fitter, |_, _| panic!("provoked by cylfuse_test_panic")) }
 }

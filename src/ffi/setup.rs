@@ -21,7 +21,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_options(
     fitter: *mut cylfuse_fitter,
     options: *const cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `options` NULL or a struct of its `struct_size`.
     unsafe {
         enter_to_change(fitter, |content, _| {
             Ok(content.fitter.set_options(read(options, "options")?.read()?)?)
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn cylfuse_fitter_get_options(
     fitter: *const cylfuse_fitter,
     out_options: *mut cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_options` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             Output::new(out_options, "out_options")?.write(&content.fitter.options().into());
@@ -61,7 +61,7 @@ pub unsafe extern "C" fn cylfuse_fitter_select_view(
     fitter: *mut cylfuse_fitter,
     index: usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe {
         enter_to_change(fitter, |content, _| {
             let count = content.fitter.view_count();
@@ -83,7 +83,7 @@ pub unsafe extern "C" fn cylfuse_fitter_view_count(
     fitter: *const cylfuse_fitter,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_count` NULL or writable.
     unsafe {
         enter_to_read(fitter, |content, _| {
             Slot::new(out_count, "out_count")?.write(content.fitter.view_count());
@@ -104,7 +104,8 @@ pub unsafe extern "C" fn cylfuse_fitter_set_pose(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `rotation` NULL or 9 doubles, and `translation` NULL or 3
+    // doubles.
     unsafe {
         enter_to_change(fitter, |content, _| {
             content.fitter.set_pose(views::motion(rotation, translation)?);
@@ -131,7 +132,8 @@ pub unsafe extern "C" fn cylfuse_fitter_set_depth_camera(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `intrinsics` NULL or a struct of its `struct_size`,
+    // `rotation` NULL or 9 doubles, and `translation` NULL or 3 doubles.
     unsafe {
         enter_to_change(fitter, |content, _| {
             Ok(content.fitter.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
@@ -151,7 +153,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_intrinsics(
     fitter: *mut cylfuse_fitter,
     intrinsics: *const cylfuse_intrinsics,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `intrinsics` NULL or a struct of its `struct_size`.
     unsafe {
         enter_to_change(fitter, |content, _| {
             let intrinsics = views::intrinsics(&read(intrinsics, "intrinsics")?)?;
@@ -170,7 +172,7 @@ pub unsafe extern "C" fn cylfuse_fitter_get_intrinsics(
     fitter: *const cylfuse_fitter,
     out_intrinsics: *mut cylfuse_intrinsics,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_intrinsics` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Output::new(out_intrinsics, "out_intrinsics")?;
@@ -196,7 +198,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_start_model(
     fitter: *mut cylfuse_fitter,
     model: *const cylfuse_cylinder,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `model` NULL or a cylinder.
     unsafe {
         enter_to_change(fitter, |content, _| {
             content.fitter.set_start(views::optional_cylinder(model)?);
@@ -216,7 +218,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_progress(
     callback: cylfuse_progress_fn,
     user_data: *mut c_void,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe {
         enter_to_change(fitter, |content, _| {
             content.progress = Callback { function: callback, user_data };
@@ -239,7 +241,7 @@ pub unsafe extern "C" fn cylfuse_fitter_set_log(
     callback: cylfuse_log_fn,
     user_data: *mut c_void,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
     unsafe {
         enter_to_change(fitter, |content, _| {
             max_level.check("max_level")?;

@@ -88,7 +88,7 @@ unsafe fn given_size<T: SizeTagged>(pointer: *const T, name: &'static str) -> Re
 /// # Safety
 /// `pointer` is NULL or points to `struct_size` readable bytes.
 pub(super) unsafe fn read<T: SizeTagged>(pointer: *const T, name: &'static str) -> Result<T, Failure> {
-    // SAFETY: the caller's obligation.
+    // SAFETY: the caller promises NULL or a struct that begins with its size.
     let given = unsafe { given_size(pointer, name) }?;
     let bytes = pointer.cast::<u8>();
     let known = size_of::<T>();
@@ -119,7 +119,7 @@ pub(super) unsafe fn read_optional<T: SizeTagged>(
     if pointer.is_null() {
         return Ok(None);
     }
-    // SAFETY: the caller's obligation.
+    // SAFETY: not NULL, so the caller promises a struct of its `struct_size`.
     unsafe { read(pointer, name) }.map(Some)
 }
 
@@ -136,7 +136,7 @@ impl<T: SizeTagged> Output<T> {
     /// `pointer` is NULL or points to `struct_size` writable bytes, of which the first field is initialised, as
     /// long as this value lives.
     pub unsafe fn new(pointer: *mut T, name: &'static str) -> Result<Self, Failure> {
-        // SAFETY: the caller's obligation.
+        // SAFETY: the caller promises NULL or a struct that begins with its size.
         let given = unsafe { given_size(pointer, name) }?;
         Ok(Self { pointer, given })
     }
@@ -149,7 +149,7 @@ impl<T: SizeTagged> Output<T> {
         if pointer.is_null() {
             return Ok(None);
         }
-        // SAFETY: the caller's obligation.
+        // SAFETY: not NULL, so the caller promises room for its `struct_size`.
         unsafe { Self::new(pointer, name) }.map(Some)
     }
 
@@ -240,7 +240,8 @@ pub(super) unsafe fn init<T: SizeTagged>(
     check_size::<T>(name, given, None)?;
     let bytes = pointer.cast::<u8>();
     let known = given.min(size_of::<T>());
-    // SAFETY: the caller's obligation: `given` bytes are writable; the defaults have no padding.
+    // SAFETY: not NULL, so the caller promises room for `given` bytes, which is at least the first size and thus
+    // more than a u32, and `known` is no more; the defaults have no padding.
     unsafe {
         bytes.write_bytes(0, given);
         std::ptr::copy_nonoverlapping(std::ptr::from_ref(defaults).cast::<u8>(), bytes, known);

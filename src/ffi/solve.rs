@@ -93,7 +93,7 @@ impl Outcome {
         result: *mut cylfuse_result,
         estimate: *mut cylfuse_cylinder_estimate,
     ) -> Result<Self, Failure> {
-        // SAFETY: the caller's obligation.
+        // SAFETY: the caller promises of each NULL or room for its `struct_size`.
         unsafe {
             Ok(Self {
                 result: Output::optional(result, "out_result")?,
@@ -184,7 +184,8 @@ pub unsafe extern "C" fn cylfuse_fitter_fit(
     out_result: *mut cylfuse_result,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_result` and `out_estimate` each NULL or room for
+    // its `struct_size`.
     unsafe {
         enter_to_change(fitter, |content, cancel| {
             let out = Outcome::new(out_result, out_estimate)?;
@@ -209,7 +210,8 @@ pub unsafe extern "C" fn cylfuse_fitter_evaluate(
     out_result: *mut cylfuse_result,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, and `out_result` and
+    // `out_estimate` each NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Outcome::new(out_result, out_estimate)?;
@@ -229,7 +231,7 @@ pub unsafe extern "C" fn cylfuse_fitter_get_result(
     fitter: *const cylfuse_fitter,
     out_result: *mut cylfuse_result,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_result` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Output::new(out_result, "out_result")?;
@@ -249,7 +251,7 @@ pub unsafe extern "C" fn cylfuse_fitter_get_cylinder(
     fitter: *const cylfuse_fitter,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_estimate` NULL or room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Output::new(out_estimate, "out_estimate")?;
@@ -278,7 +280,8 @@ pub unsafe extern "C" fn cylfuse_fitter_diagnose(
     model: *const cylfuse_cylinder,
     out_diagnosis: *mut cylfuse_cylinder_diagnosis,
 ) -> cylfuse_status {
-    // SAFETY: the contract of the header.
+    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, and `out_diagnosis` NULL or
+    // room for its `struct_size`.
     unsafe {
         enter_to_read(fitter, |content, _| {
             let out = Output::new(out_diagnosis, "out_diagnosis")?;

@@ -1,6 +1,7 @@
 //! From pointers and strides to the checked views of the safe library.
 
 use super::constants::cylfuse_distortion;
+use super::lists::numbers;
 use super::status::Failure;
 use super::structs::{
     cylfuse_cylinder, cylfuse_depth_view, cylfuse_image_view, cylfuse_intrinsics, cylfuse_mask_view,
@@ -85,6 +86,17 @@ impl Grid {
         Ok(CheckedGrid { width, height, element_size, element_stride, row_stride, reach })
     }
 
+    /// The memory of the grid, after a check.
+    ///
+    /// # Safety
+    /// `first` is NULL or points to the first element, and all memory from the lowest to the highest byte of the
+    /// elements is readable and not written to during `'a`.
+    unsafe fn view<'a, T>(&self, first: *const T) -> Result<Strided<'a>, Failure> {
+        let checked = self.check(first)?;
+        // SAFETY: the caller promises the memory of the elements; the check has refused NULL unless there are none.
+        unsafe { checked.view(first) }
+    }
+
     /// Overlapping elements are a stride in elements instead of bytes. Rows may be the long way round, as in a
     /// transposed array.
     fn check_overlap(&self, element_stride: isize, row_stride: isize) -> Result<(), Failure> {
@@ -121,7 +133,8 @@ impl CheckedGrid {
         let bytes: &[u8] = if lowest == end {
             &[]
         } else {
-            // SAFETY: the caller's obligation; the length is positive and was found to fit an isize.
+            // SAFETY: the caller promises the memory from the lowest to the highest byte; `check` found that its
+            // length fits an isize.
             unsafe { std::slice::from_raw_parts(first.cast::<u8>().offset(lowest), (end - lowest) as usize) }
         };
         let strides = (self.element_stride, self.row_stride);
@@ -161,8 +174,8 @@ pub(super) unsafe fn points_view<'a>(view: &cylfuse_points_view) -> Result<Point
         element_stride: view.point_stride,
         row_stride: view.row_stride,
     };
-    // SAFETY: the caller's obligation.
-    let points = unsafe { grid.check(view.data)?.view(view.data) }?;
+    // SAFETY: the caller promises that `data` leads to what the grid describes.
+    let points = unsafe { grid.view(view.data) }?;
     let weights = if view.weights.is_null() {
         None
     } else {
@@ -174,8 +187,8 @@ pub(super) unsafe fn points_view<'a>(view: &cylfuse_points_view) -> Result<Point
             row_stride: view.weight_row_stride,
             ..grid
         };
-        // SAFETY: the caller's obligation.
-        Some(unsafe { grid.check(view.weights)?.view(view.weights) }?)
+        // SAFETY: the caller promises that `weights` leads to what the grid describes.
+        Some(unsafe { grid.view(view.weights) }?)
     };
     let normals = if view.normals.is_null() {
         None
@@ -187,8 +200,8 @@ pub(super) unsafe fn points_view<'a>(view: &cylfuse_points_view) -> Result<Point
             row_stride: view.normal_row_stride,
             ..grid
         };
-        // SAFETY: the caller's obligation.
-        Some(VectorsView::new(unsafe { grid.check(view.normals)?.view(view.normals) }?, scalar))
+        // SAFETY: the caller promises that `normals` leads to what the grid describes.
+        Some(VectorsView::new(unsafe { grid.view(view.normals) }?, scalar))
     };
     Ok(PointsView { points: VectorsView::new(points, scalar), weights, normals })
 }
@@ -211,8 +224,8 @@ pub(super) unsafe fn depth_view<'a>(
     let format = view.format.read("depth.format")?;
     let strides = (view.pixel_stride, view.row_stride);
     let grid = pixel_grid("depth.data", (view.width, view.height), pixel_size(format), strides);
-    // SAFETY: the caller's obligation.
-    let pixels = unsafe { grid.check(view.data)?.view(view.data) }?;
+    // SAFETY: the caller promises that `data` leads to what the grid describes.
+    let pixels = unsafe { grid.view(view.data) }?;
     let max = if view.max_depth == 0.0 { f64::INFINITY } else { view.max_depth };
     Ok((DepthView::new(pixels, format, view.scale)?, DepthRange { min: view.min_depth, max }))
 }
@@ -232,8 +245,8 @@ pub(super) unsafe fn mask_view<'a>(view: &cylfuse_mask_view) -> Result<MaskView<
         return Err(Error::EmptyMask { width, height }.into());
     }
     let grid = pixel_grid("mask.data", (view.width, view.height), 1, (view.pixel_stride, view.row_stride));
-    // SAFETY: the caller's obligation.
-    let mask = MaskView::new(unsafe { grid.check(view.data)?.view(view.data) }?);
+    // SAFETY: the caller promises that `data` leads to what the grid describes.
+    let mask = MaskView::new(unsafe { grid.view(view.data) }?);
     Ok(match label {
         Some(label) => mask.of_label(label),
         None => mask,
@@ -249,8 +262,8 @@ pub(super) unsafe fn image_view<'a>(view: &cylfuse_image_view) -> Result<ImageVi
     let size = format.pixel_bytes();
     let grid =
         pixel_grid("image.data", (view.width, view.height), size, (view.pixel_stride, view.row_stride));
-    // SAFETY: the caller's obligation.
-    let linear = ImageView::new(unsafe { grid.check(view.data)?.view(view.data) }?, format);
+    // SAFETY: the caller promises that `data` leads to what the grid describes.
+    let linear = ImageView::new(unsafe { grid.view(view.data) }?, format);
     Ok(linear.with_gamma(view.gamma)?)
 }
 
@@ -269,8 +282,8 @@ pub(super) unsafe fn segments(view: &cylfuse_segments_view) -> Result<Vec<EdgeSe
         element_stride: view.segment_stride,
         row_stride: 0,
     };
-    // SAFETY: the caller's obligation.
-    let coordinates = unsafe { grid.check(view.data)?.view(view.data) }?;
+    // SAFETY: the caller promises that `data` leads to what the grid describes.
+    let coordinates = unsafe { grid.view(view.data) }?;
     let weights = if view.weights.is_null() {
         None
     } else {
@@ -282,8 +295,8 @@ pub(super) unsafe fn segments(view: &cylfuse_segments_view) -> Result<Vec<EdgeSe
             element_stride: 0,
             ..grid
         };
-        // SAFETY: the caller's obligation.
-        Some(unsafe { grid.check(view.weights)?.view(view.weights) }?)
+        // SAFETY: the caller promises that `weights` leads to what the grid describes.
+        Some(unsafe { grid.view(view.weights) }?)
     };
     let mut segments = with_room(view.count, "the edge segments")?;
     segments.extend((0..view.count).map(|index| {
@@ -345,15 +358,9 @@ impl From<&Intrinsics> for cylfuse_intrinsics {
 /// # Safety
 /// `rotation` is NULL or points to 9 doubles, `translation` is NULL or points to 3.
 pub(super) unsafe fn motion(rotation: *const f64, translation: *const f64) -> Result<RigidMotion, Failure> {
-    for (pointer, name) in [(rotation, "rotation"), (translation, "translation")] {
-        if pointer.is_null() {
-            return Err(Failure::NullPointer { name });
-        }
-    }
-    // SAFETY: not NULL, and the caller's obligation; no alignment is assumed.
-    let (rotation, translation) = unsafe {
-        (rotation.cast::<[f64; 9]>().read_unaligned(), translation.cast::<[f64; 3]>().read_unaligned())
-    };
+    // SAFETY: the caller promises 9 and 3 doubles, or NULL.
+    let (rotation, translation): ([f64; 9], [f64; 3]) =
+        unsafe { (numbers(rotation, "rotation")?, numbers(translation, "translation")?) };
     Ok(RigidMotion::new(Matrix3::from_row_slice(&rotation), translation.into())?)
 }
 
@@ -368,7 +375,7 @@ pub(super) unsafe fn cylinder(
     if model.is_null() {
         return Err(Failure::NullPointer { name });
     }
-    // SAFETY: not NULL, and the caller's obligation; no alignment is assumed.
+    // SAFETY: not NULL, so it is a cylinder, as the caller promises; no alignment is assumed.
     let cylfuse_cylinder { point, direction, radius } = unsafe { model.read_unaligned() };
     Ok(Cylinder::new(Vector3::from(point), Vector3::from(direction), radius)?)
 }
@@ -381,7 +388,7 @@ pub(super) unsafe fn optional_cylinder(model: *const cylfuse_cylinder) -> Result
     if model.is_null() {
         return Ok(None);
     }
-    // SAFETY: the caller's obligation.
+    // SAFETY: as the caller promises, it is a cylinder: it is not NULL.
     unsafe { cylinder(model, "model") }.map(Some)
 }
 
