@@ -15,6 +15,11 @@ func (termination Termination) Describe() string {
 	return C.GoString(C.cylfuse_termination_string(C.cylfuse_termination(termination)))
 }
 
+// Describe gives the name of the start in C, a colon, and what it means in a few words.
+func (start Start) Describe() string {
+	return C.GoString(C.cylfuse_start_string(C.cylfuse_start(start)))
+}
+
 // Describe gives the name of the state in C, a colon, and what it means in a few words.
 func (state EndState) Describe() string {
 	return C.GoString(C.cylfuse_end_state_string(C.cylfuse_end_state(state)))
@@ -32,3 +37,8 @@ func (status LimbStatus) Describe() string {
 
 // Describe gives the name of the part in C, a colon, and what it means in a few words.
 func (part Part) Describe() string { return C.GoString(C.cylfuse_part_string(C.cylfuse_part(part))) }
+
+// Describe gives the name of the conformity in C, a colon, and what it means in a few words.
+func (conformity Conformity) Describe() string {
+	return C.GoString(C.cylfuse_conformity_string(C.cylfuse_conformity(conformity)))
+}

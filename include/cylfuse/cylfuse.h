@@ -3500,6 +3500,14 @@ const char *cylfuse_termination_string(cylfuse_termination termination)
 CYLFUSE_NOEXCEPT;
 
 /**
+ * Where an iteration started, as text: the name of the constant without its prefix, a colon, and what it means in a few
+ * words. Static; a text for unknown numbers too.
+ */
+CYLFUSE_API
+const char *cylfuse_start_string(cylfuse_start start)
+CYLFUSE_NOEXCEPT;
+
+/**
  * What an end of the visible cylinder is, as text: the name of the constant without its prefix, a colon, and what it
  * means in a few words. Static; a text for unknown numbers too.
  */
@@ -3529,6 +3537,14 @@ CYLFUSE_NOEXCEPT;
  */
 CYLFUSE_API
 const char *cylfuse_part_string(cylfuse_part part)
+CYLFUSE_NOEXCEPT;
+
+/**
+ * What a measurement says about a tolerance, as text: the name of the constant without its prefix, a colon, and what it
+ * means in a few words. Static; a text for unknown numbers too.
+ */
+CYLFUSE_API
+const char *cylfuse_conformity_string(cylfuse_conformity conformity)
 CYLFUSE_NOEXCEPT;
 
 #ifdef __cplusplus

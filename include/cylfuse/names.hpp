@@ -36,6 +36,11 @@ inline const char *describe(Termination termination) noexcept
 {
     return cylfuse_termination_string(static_cast<cylfuse_termination>(termination));
 }
+/** The same for where an iteration starts or started. */
+inline const char *describe(Start start) noexcept
+{
+    return cylfuse_start_string(static_cast<cylfuse_start>(start));
+}
 /** The same for what an end is. */
 inline const char *describe(EndState state) noexcept
 {
@@ -53,6 +58,11 @@ inline const char *describe(LimbStatus status) noexcept
 }
 /** The same for what a point belongs to. */
 inline const char *describe(Part part) noexcept { return cylfuse_part_string(static_cast<cylfuse_part>(part)); }
+/** The same for what a measurement says about a tolerance. */
+inline const char *describe(Conformity conformity) noexcept
+{
+    return cylfuse_conformity_string(static_cast<cylfuse_conformity>(conformity));
+}
 /** The same for one warning; for several see warnings(). */
 inline const char *describe(ResultFlags warning) noexcept
 {
@@ -95,6 +105,8 @@ std::string name(Constant constant, Constant first, std::initializer_list<const 
 inline std::string to_string(Status status) { return internal::name(describe(status)); }
 /** The name of why an iteration ended, such as "GRADIENT"; "unknown" for unknown numbers, as below. */
 inline std::string to_string(Termination termination) { return internal::name(describe(termination)); }
+/** The name of where an iteration starts or started, such as "LIMBS". */
+inline std::string to_string(Start start) { return internal::name(describe(start)); }
 /** The name of what an end is, such as "SEEN". */
 inline std::string to_string(EndState state) { return internal::name(describe(state)); }
 /** The name of what the position of an end was taken from, such as "IMAGE". */
@@ -103,6 +115,8 @@ inline std::string to_string(EndSource source) { return internal::name(describe(
 inline std::string to_string(LimbStatus status) { return internal::name(describe(status)); }
 /** The name of what a point belongs to, such as "CAP". */
 inline std::string to_string(Part part) { return internal::name(describe(part)); }
+/** The name of what a measurement says about a tolerance, such as "CONFORMING". */
+inline std::string to_string(Conformity conformity) { return internal::name(describe(conformity)); }
 /** The names of all warnings that are set, separated by ", ", such as "WEAK_RADIUS, POOR_FIT"; empty for none. */
 inline std::string to_string(ResultFlags flags)
 {
@@ -121,11 +135,6 @@ inline std::string to_string(Method method)
 inline std::string to_string(Objective objective)
 {
     return internal::name(objective, Objective::Robust, {"ROBUST", "PAPER"});
-}
-/** The name of where an iteration starts or started, such as "LIMBS". */
-inline std::string to_string(Start start)
-{
-    return internal::name(start, Start::Auto, {"AUTO", "LIMBS", "MOMENTS", "RANSAC", "MODEL", "LAST"});
 }
 /** The name of whether the near-wall rule holds, such as "ON". */
 inline std::string to_string(NearWall rule) { return internal::name(rule, NearWall::Auto, {"AUTO", "ON", "OFF"}); }
@@ -186,11 +195,6 @@ inline std::string to_string(LogLevel level)
 inline std::string to_string(ResidualKind kind)
 {
     return internal::name(kind, ResidualKind::Points, {"POINTS", "EDGES"});
-}
-/** The name of what a measurement says about a tolerance, such as "CONFORMING". */
-inline std::string to_string(Conformity conformity)
-{
-    return internal::name(conformity, Conformity::Undecided, {"UNDECIDED", "CONFORMING", "NOT_CONFORMING"});
 }
 /** The name of how points are arranged, such as "ORGANISED". */
 inline std::string to_string(Layout layout)

@@ -1,8 +1,9 @@
 //! The constants of results as text.
 
+use super::constants::cylfuse_start;
 use super::outcomes::{
-    cylfuse_end_source, cylfuse_end_state, cylfuse_limb_status, cylfuse_part, cylfuse_result_flags,
-    cylfuse_termination,
+    cylfuse_conformity, cylfuse_end_source, cylfuse_end_state, cylfuse_limb_status, cylfuse_part,
+    cylfuse_result_flags, cylfuse_termination,
 };
 use crate::fitter::Flags;
 use std::ffi::{CStr, c_char};
@@ -15,6 +16,15 @@ const TERMINATIONS: &[(cylfuse_termination, &CStr)] = &[
     (cylfuse_termination::RADIUS_RAN_AWAY, c"RADIUS_RAN_AWAY: the radius left all proportion to the data"),
     (cylfuse_termination::GRADIENT, c"GRADIENT: the gradient fell below its tolerance"),
     (cylfuse_termination::STEP, c"STEP: the step fell below its tolerance"),
+];
+
+const STARTS: &[(cylfuse_start, &CStr)] = &[
+    (cylfuse_start::AUTO, c"AUTO: the candidate that explains the data best"),
+    (cylfuse_start::LIMBS, c"LIMBS: two limb segments, scaled by the points"),
+    (cylfuse_start::MOMENTS, c"MOMENTS: Eberly's algebraic fit by the moments of the points"),
+    (cylfuse_start::RANSAC, c"RANSAC: random sample consensus over the points"),
+    (cylfuse_start::MODEL, c"MODEL: the start model that was set"),
+    (cylfuse_start::LAST, c"LAST: the cylinder of the last successful fit"),
 ];
 
 const END_STATES: &[(cylfuse_end_state, &CStr)] = &[
@@ -67,6 +77,12 @@ const PARTS: &[(cylfuse_part, &CStr)] = &[
     (cylfuse_part::BEHIND, c"BEHIND: something farther away than the cylinder"),
 ];
 
+const CONFORMITIES: &[(cylfuse_conformity, &CStr)] = &[
+    (cylfuse_conformity::UNDECIDED, c"UNDECIDED: the measurement does not tell"),
+    (cylfuse_conformity::CONFORMING, c"CONFORMING: within the limits with all of its uncertainty"),
+    (cylfuse_conformity::NOT_CONFORMING, c"NOT_CONFORMING: outside the limits with all of its uncertainty"),
+];
+
 /// The text of a constant in its list.
 fn text<T: Copy + PartialEq>(list: &[(T, &'static CStr)], value: T) -> *const c_char {
     let known = list.iter().find(|(known, _)| *known == value);
@@ -87,6 +103,13 @@ pub extern "C" fn cylfuse_flag_string(flag: cylfuse_result_flags) -> *const c_ch
 #[unsafe(no_mangle)]
 pub extern "C" fn cylfuse_termination_string(termination: cylfuse_termination) -> *const c_char {
     text(TERMINATIONS, termination)
+}
+
+/// Where an iteration started, as text: the name of the constant without its prefix, a colon, and what it means in a few
+/// words. Static; a text for unknown numbers too.
+#[unsafe(no_mangle)]
+pub extern "C" fn cylfuse_start_string(start: cylfuse_start) -> *const c_char {
+    text(STARTS, start)
 }
 
 /// What an end of the visible cylinder is, as text: the name of the constant without its prefix, a colon, and what it
@@ -117,6 +140,13 @@ pub extern "C" fn cylfuse_part_string(part: cylfuse_part) -> *const c_char {
     text(PARTS, part)
 }
 
+/// What a measurement says about a tolerance, as text: the name of the constant without its prefix, a colon, and what it
+/// means in a few words. Static; a text for unknown numbers too.
+#[unsafe(no_mangle)]
+pub extern "C" fn cylfuse_conformity_string(conformity: cylfuse_conformity) -> *const c_char {
+    text(CONFORMITIES, conformity)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,9 +171,11 @@ mod tests {
     #[test]
     fn every_constant_of_a_result_has_a_text() {
         texts(0, 7, |n| cylfuse_termination_string(cylfuse_termination(n)), TERMINATIONS);
+        texts(0, 6, |n| cylfuse_start_string(cylfuse_start(n)), STARTS);
         texts(0, 4, |n| cylfuse_end_state_string(cylfuse_end_state(n)), END_STATES);
         texts(0, 5, |n| cylfuse_end_source_string(cylfuse_end_source(n)), END_SOURCES);
         texts(0, 9, |n| cylfuse_limb_status_string(cylfuse_limb_status(n)), LIMB_STATUSES);
         texts(1, 5, |n| cylfuse_part_string(cylfuse_part(u8::try_from(n).unwrap())), PARTS);
+        texts(0, 3, |n| cylfuse_conformity_string(cylfuse_conformity(n)), CONFORMITIES);
     }
 }

@@ -32,20 +32,24 @@ static void results_have_texts(void)
     CHECK(strncmp(cylfuse_flag_string(CYLFUSE_RESULT_FLAGS_BODY_TAPERS), "BODY_TAPERS: ", 13) == 0);
     CHECK(strncmp(cylfuse_flag_string(CYLFUSE_RESULT_FLAGS_MASK_DISAGREES), "MASK_DISAGREES: ", 16) == 0);
     CHECK(strcmp(cylfuse_termination_string(CYLFUSE_TERMINATION_COST), "COST: the cost no longer fell") == 0);
+    CHECK(strncmp(cylfuse_start_string(CYLFUSE_START_MOMENTS), "MOMENTS: ", 9) == 0);
     CHECK(strcmp(cylfuse_end_state_string(CYLFUSE_END_STATE_SEEN), "SEEN: the surface ends there") == 0);
     CHECK(strncmp(cylfuse_end_source_string(CYLFUSE_END_SOURCE_BORDER), "BORDER: ", 8) == 0);
     CHECK(strncmp(cylfuse_end_source_string(CYLFUSE_END_SOURCE_POINTS), "POINTS: ", 8) == 0);
     CHECK(strncmp(cylfuse_limb_status_string(CYLFUSE_LIMB_STATUS_NO_EDGE), "NO_EDGE: ", 9) == 0);
     CHECK(strncmp(cylfuse_part_string(CYLFUSE_PART_CAP), "CAP: ", 5) == 0);
+    CHECK(strncmp(cylfuse_conformity_string(CYLFUSE_CONFORMITY_NOT_CONFORMING), "NOT_CONFORMING: ", 16) == 0);
     /* What is no constant has a text, too; so have no flag and several. */
     CHECK(strncmp(cylfuse_flag_string(0), "unknown", 7) == 0);
     CHECK(strncmp(cylfuse_flag_string(3), "unknown", 7) == 0);
     CHECK(strncmp(cylfuse_flag_string(UINT32_MAX), "unknown", 7) == 0);
     CHECK(strncmp(cylfuse_termination_string(INT32_MIN), "unknown", 7) == 0);
+    CHECK(strncmp(cylfuse_start_string(6), "unknown", 7) == 0);
     CHECK(strncmp(cylfuse_end_state_string(-1), "unknown", 7) == 0);
     CHECK(strncmp(cylfuse_end_source_string(99), "unknown", 7) == 0);
     CHECK(strncmp(cylfuse_limb_status_string(INT32_MAX), "unknown", 7) == 0);
     CHECK(strncmp(cylfuse_part_string(0), "unknown", 7) == 0);
+    CHECK(strncmp(cylfuse_conformity_string(3), "unknown", 7) == 0);
 }
 
 static void a_handle_needs_the_same_interface(void)

@@ -27,6 +27,8 @@ static void constants_have_names()
     CHECK(cylfuse::to_string(cylfuse::Input(0)).empty() && cylfuse::to_string(cylfuse::Input(17)) == "POINTS, unknown");
     CHECK(std::string(cylfuse::describe(cylfuse::EndState::Seen)) == "SEEN: the surface ends there");
     CHECK(std::string(cylfuse::describe(cylfuse::Part::Cap)).find("CAP: ") == 0);
+    CHECK(std::string(cylfuse::describe(cylfuse::Start::Limbs)).find("LIMBS: ") == 0);
+    CHECK(std::string(cylfuse::describe(cylfuse::Conformity::Undecided)).find("UNDECIDED: ") == 0);
     CHECK(std::string(cylfuse::describe(cylfuse::ResultFlags::WeakRadius)).find("WEAK_RADIUS: ") == 0);
 
     cylfuse::Result result;

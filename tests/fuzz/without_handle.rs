@@ -141,10 +141,12 @@ impl Case<'_> {
             cylfuse_status_string(status),
             cylfuse_flag_string(cylfuse_result_flags(number as u32)),
             cylfuse_termination_string(cylfuse_termination(number)),
+            cylfuse_start_string(cylfuse_start(number)),
             cylfuse_end_state_string(cylfuse_end_state(number)),
             cylfuse_end_source_string(cylfuse_end_source(number)),
             cylfuse_limb_status_string(cylfuse_limb_status(number)),
             cylfuse_part_string(cylfuse_part(number as u8)),
+            cylfuse_conformity_string(cylfuse_conformity(number)),
         ] {
             // SAFETY: a static text.
             assert!(!unsafe { CStr::from_ptr(text) }.is_empty());

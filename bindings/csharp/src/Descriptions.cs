@@ -21,6 +21,9 @@ namespace Cylfuse
         public static string Describe(this Termination termination) =>
             Library.Text(Native.Functions.TerminationString((int)termination));
 
+        /// <summary>What it means that an iteration starts or started so.</summary>
+        public static string Describe(this StartKind start) => Library.Text(Native.Functions.StartString((int)start));
+
         /// <summary>What the state of an end means.</summary>
         public static string Describe(this EndState state) => Library.Text(Native.Functions.EndStateString((int)state));
 
@@ -34,5 +37,9 @@ namespace Cylfuse
 
         /// <summary>What it means that a point belongs to this.</summary>
         public static string Describe(this Part part) => Library.Text(Native.Functions.PartString((int)part));
+
+        /// <summary>What a decision about a tolerance means.</summary>
+        public static string Describe(this Conformity conformity) =>
+            Library.Text(Native.Functions.ConformityString((int)conformity));
     }
 }

@@ -88,10 +88,12 @@ namespace Cylfuse
         internal readonly ConstantTextFunction StatusString = Find<ConstantTextFunction>("cylfuse_status_string");
         internal readonly ConstantTextFunction FlagString = Find<ConstantTextFunction>("cylfuse_flag_string");
         internal readonly ConstantTextFunction TerminationString = Find<ConstantTextFunction>("cylfuse_termination_string");
+        internal readonly ConstantTextFunction StartString = Find<ConstantTextFunction>("cylfuse_start_string");
         internal readonly ConstantTextFunction EndStateString = Find<ConstantTextFunction>("cylfuse_end_state_string");
         internal readonly ConstantTextFunction EndSourceString = Find<ConstantTextFunction>("cylfuse_end_source_string");
         internal readonly ConstantTextFunction LimbStatusString = Find<ConstantTextFunction>("cylfuse_limb_status_string");
         internal readonly ConstantTextFunction PartString = Find<ConstantTextFunction>("cylfuse_part_string");
+        internal readonly ConstantTextFunction ConformityString = Find<ConstantTextFunction>("cylfuse_conformity_string");
 
         internal readonly InitFunction OptionsInit = Find<InitFunction>("cylfuse_options_init");
         internal readonly InitFunction DetectorOptionsInit = Find<InitFunction>("cylfuse_detector_options_init");

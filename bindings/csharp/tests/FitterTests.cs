@@ -365,10 +365,12 @@ namespace Cylfuse.Tests
         public static void ConstantsAreDescribed()
         {
             Each<Termination>(constant => constant.Describe());
+            Each<StartKind>(constant => constant.Describe());
             Each<EndState>(constant => constant.Describe());
             Each<EndSource>(constant => constant.Describe());
             Each<LimbStatus>(constant => constant.Describe());
             Each<Part>(constant => constant.Describe());
+            Each<Conformity>(constant => constant.Describe());
             Each<ResultFlags>(flag => flag == ResultFlags.None ? "NONE: no warning" : flag.Describe().Single());
             string[] both = (ResultFlags.PoorFit | ResultFlags.WeakRadius).Describe();
             Check.Equal(2, both.Length);

@@ -11,7 +11,7 @@
  */
 
 import type {
-  Cylinder, Depth, DepthCamera, Image, Input, Intrinsics, Mask, Options, Points, Pose, Region, Scalars, Segments,
+  Cylinder, Depth, DepthCamera, Image, Input, Intrinsics, Mask, Options, Points, Pose, Region, Scalars, Segments, Start,
   Vector,
 } from './data.js';
 import type {
@@ -265,6 +265,9 @@ export function describeFlags(flags: Flag[]): string[];
 /** What it means that an iteration ended so: the name in C, a colon, and a few words. */
 export function describeTermination(termination: Termination): string;
 
+/** What it means that an iteration starts or started so: the name in C, a colon, and a few words. */
+export function describeStart(start: Start): string;
+
 /** What the state of an end means: the name in C, a colon, and a few words. */
 export function describeEndState(state: EndState): string;
 
@@ -276,6 +279,9 @@ export function describeLimbStatus(status: LimbStatus): string;
 
 /** What it means that a point belongs to this: the name in C, a colon, and a few words. */
 export function describePart(part: Part): string;
+
+/** What a decision about a tolerance means: the name in C, a colon, and a few words. */
+export function describeConformity(conformity: Conformity): string;
 
 /** How two cylinders differ: angle and distance of the axes, (radius of b - radius of a) / radius of a. */
 export function compare(a: Cylinder, b: Cylinder): { angle: number; axisDistance: number; radiusRelative: number };

@@ -66,10 +66,12 @@ const describing = (kind, text) => (name) => text(/^\d+$/.test(name) ? Number(na
 const describeFlag = describing('flag', functions.cylfuse_flag_string);
 const describeFlags = (flags) => Array.from(flags, describeFlag);
 const describeTermination = describing('termination', functions.cylfuse_termination_string);
+const describeStart = describing('start', functions.cylfuse_start_string);
 const describeEndState = describing('endState', functions.cylfuse_end_state_string);
 const describeEndSource = describing('endSource', functions.cylfuse_end_source_string);
 const describeLimbStatus = describing('limbStatus', functions.cylfuse_limb_status_string);
 const describePart = describing('part', functions.cylfuse_part_string);
+const describeConformity = describing('conformity', functions.cylfuse_conformity_string);
 
 function plan(intrinsics, cylinder, noise) {
   const { distance, radius, length, tilt = 0, turn = 0 } = cylinder;
@@ -112,10 +114,12 @@ exports.radiusConforms = radiusConforms;
 exports.diameterConforms = diameterConforms;
 exports.describeFlags = describeFlags;
 exports.describeTermination = describeTermination;
+exports.describeStart = describeStart;
 exports.describeEndState = describeEndState;
 exports.describeEndSource = describeEndSource;
 exports.describeLimbStatus = describeLimbStatus;
 exports.describePart = describePart;
+exports.describeConformity = describeConformity;
 exports.plan = plan;
 exports.projectPoints = projectPoints;
 exports.unprojectPixels = unprojectPixels;

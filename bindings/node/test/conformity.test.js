@@ -26,8 +26,8 @@ test('the interval decides about a tolerance', () => {
 test('names are described', () => {
   for (const [kind, describe] of [
     ['flag', (name) => cylfuse.describeFlags([name])[0]], ['termination', cylfuse.describeTermination],
-    ['endState', cylfuse.describeEndState], ['endSource', cylfuse.describeEndSource],
-    ['limbStatus', cylfuse.describeLimbStatus], ['part', cylfuse.describePart],
+    ['start', cylfuse.describeStart], ['endState', cylfuse.describeEndState], ['endSource', cylfuse.describeEndSource],
+    ['limbStatus', cylfuse.describeLimbStatus], ['part', cylfuse.describePart], ['conformity', cylfuse.describeConformity],
   ]) {
     for (const name of Object.keys(enumerations[kind])) {
       const [inC, text] = describe(name).split(': ');

@@ -68,7 +68,12 @@ def test_choices_are_those_of_the_header(name: str) -> None:
     assert {choice.name: choice.value for choice in kind.__members__.values()} == expected
 
 
-@pytest.mark.parametrize("kind", [enums.Termination, enums.EndState, enums.EndSource, enums.LimbStatus, enums.Part])
+DESCRIBED = [
+    enums.Termination, enums.Start, enums.EndState, enums.EndSource, enums.LimbStatus, enums.Part, enums.Conformity,
+]
+
+
+@pytest.mark.parametrize("kind", DESCRIBED)
 def test_constants_are_described(kind: Any) -> None:
     for choice in kind:
         name, text = choice.description.split(": ")

@@ -107,6 +107,11 @@ class Start(_Choice):
     #: cylinder or the start model one of the candidates.
     LAST = 5
 
+    @property
+    def description(self) -> str:
+        """Its name, a colon, and what it means in a few words."""
+        return _text(lib.cylfuse_start_string(self))
+
 
 class NearWall(_Choice):
     """Whether the points must lie on the wall that a camera at the origin sees."""
@@ -279,6 +284,11 @@ class Conformity(_Choice):
     CONFORMING = 1
     #: The value is outside the limits with all of its uncertainty.
     NOT_CONFORMING = 2
+
+    @property
+    def description(self) -> str:
+        """Its name, a colon, and what it means in a few words."""
+        return _text(lib.cylfuse_conformity_string(self))
 
 
 class Part(_Choice):

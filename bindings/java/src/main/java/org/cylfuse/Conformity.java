@@ -24,4 +24,13 @@ public enum Conformity implements NativeNumber {
     public int value() {
         return value;
     }
+
+    /**
+     * Says in a few words what it means.
+     *
+     * @return its name, a colon, and what it means
+     */
+    public String description() {
+        return NativeFunctions.cylfuse_conformity_string(value);
+    }
 }

@@ -102,6 +102,8 @@ final class NativeFunctions {
 
     static native String cylfuse_termination_string(int termination);
 
+    static native String cylfuse_start_string(int start);
+
     static native String cylfuse_end_state_string(int state);
 
     static native String cylfuse_end_source_string(int source);
@@ -109,6 +111,8 @@ final class NativeFunctions {
     static native String cylfuse_limb_status_string(int status);
 
     static native String cylfuse_part_string(byte part);
+
+    static native String cylfuse_conformity_string(int conformity);
 
     static native int cylfuse_options_init(NativeStructs.Options options, long structSize);
 

@@ -35,4 +35,13 @@ public enum StartKind implements NativeNumber {
     public int value() {
         return value;
     }
+
+    /**
+     * Says in a few words what it means.
+     *
+     * @return its name, a colon, and what it means
+     */
+    public String description() {
+        return NativeFunctions.cylfuse_start_string(value);
+    }
 }

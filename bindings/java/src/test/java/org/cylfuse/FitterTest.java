@@ -316,10 +316,12 @@ public class FitterTest {
     @Test
     public void constantsAreDescribed() {
         described(Termination.values(), Termination::description);
+        described(StartKind.values(), StartKind::description);
         described(EndState.values(), EndState::description);
         described(EndSource.values(), EndSource::description);
         described(LimbStatus.values(), LimbStatus::description);
         described(Part.values(), Part::description);
+        described(Conformity.values(), Conformity::description);
         described(ResultFlag.values(), ResultFlag::description);
         assertEquals(
                 List.of(ResultFlag.WEAK_RADIUS.description(), ResultFlag.POOR_FIT.description()),
