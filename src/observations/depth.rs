@@ -5,11 +5,13 @@ use super::dropped::Dropped;
 use super::frame::Frame;
 use super::mask::Mask;
 use super::points::PointCloud;
-use super::registration::Sight;
+use super::registration::{Registration, Sight};
 use super::strided::Scalar;
 use super::views::DepthView;
+use crate::camera::Camera;
 use crate::error::{Error, Result, not_negative, with_room};
 use crate::geometry::RigidMotion;
+use crate::memory::List;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -275,97 +277,134 @@ impl PointCloud {
                 if frame.depth_camera().is_some() { "the image of the intrinsics" } else { "depth image" };
             mask.check_size(grid, camera.size())?;
         }
+        let projection = BackProjection::new(frame, camera, depth);
         let (width, height) = depth.size();
         let mut batch = Batch::grid(width, height);
-        let range = frame.depth_range();
-        let own = frame.depth_camera().is_some();
-        let (sensor, to_color) = match frame.depth_camera() {
-            Some(own) => (&own.camera, own.to_color),
-            None => (camera, RigidMotion::identity()),
-        };
-        let rays = sensor.rays_by_column_and_row();
-        let ray = |column: usize, row: usize| match &rays {
-            Some((of_columns, of_rows)) => Some(Vector3::new(of_columns[column], of_rows[row], 1.0)),
-            None => sensor.ray_of_pixel(column, row),
-        };
-        let add = |batch: &mut Batch<f64>, column: usize, row: usize, depth: f64| match ray(column, row) {
-            Some(ray) => {
-                let point = ray * depth;
-                let point = if own { to_color.point(&point) } else { point };
-                batch.push(point.into(), column, row);
-            }
-            None => batch.dropped.outside_camera += 1,
-        };
-        let take = |batch: &mut Batch<f64>, column: usize, row: usize, sight: Sight| {
-            let Some(depth) = depth.depth_at(row * width + column) else {
-                batch.dropped.no_depth += 1;
-                return;
-            };
-            if !(range.min <= depth && depth <= range.max) {
-                batch.dropped.out_of_range += 1;
-            } else if sight == Sight::Hidden {
-                batch.dropped.hidden += 1;
-            } else {
-                add(batch, column, row, depth);
-            }
-        };
-        let take_run = |batch: &mut Batch<f64>, columns: Range<usize>, row: usize| {
-            let pixels = row * width + columns.start..row * width + columns.end;
-            let set = mask.map(|mask| mask.pixels_by_index(pixels.clone()));
-            let run = Run::new(&depth.values[pixels], set, depth.scale, range);
-            batch.dropped.no_depth += run.no_depth;
-            batch.dropped.out_of_range += run.out_of_range;
-            let (places, depths) = run.usable();
-            match &rays {
-                Some((of_columns, of_rows)) if !own => {
-                    let [x, y, z] = &mut batch.axes;
-                    let rays = &of_columns[columns.clone()];
-                    let of_row = of_rows[row];
-                    x.extend(places.iter().zip(depths).map(move |(k, depth)| rays[*k] * depth));
-                    y.extend(depths.iter().map(move |depth| of_row * depth));
-                    z.extend_from_slice(depths);
-                    batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
-                }
-                _ => {
-                    let measured = places.iter().zip(depths);
-                    measured.for_each(|(k, depth)| add(batch, columns.start + k, row, *depth));
-                }
-            }
-        };
         match (mask, frame.registration()) {
-            (None, _) => {
-                for row in 0..height {
-                    batch.reserve(width)?;
-                    runs(0..width).for_each(|columns| take_run(&mut batch, columns, row));
-                }
-            }
-            (Some(mask), None) => {
-                let count = mask.count();
-                batch.dropped.outside_mask = batch.given - count;
-                batch.reserve(count)?;
-                let (columns, rows) = mask.bounds();
-                for row in rows {
-                    let runs = runs(columns.clone());
-                    runs.for_each(|columns| take_run(&mut batch, columns, row));
-                }
-            }
-            (Some(mask), Some(registration)) => {
-                for row in 0..height {
-                    batch.reserve(width)?;
-                    for column in 0..width {
-                        match registration.sight(row * width + column, mask) {
-                            Sight::Outside => batch.dropped.outside_mask += 1,
-                            sight => take(&mut batch, column, row, sight),
-                        }
-                    }
-                }
-            }
+            (None, _) => projection.add_all(&mut batch)?,
+            (Some(mask), None) => projection.add_in_mask(&mut batch, mask)?,
+            (Some(mask), Some(registration)) => projection.add_registered(&mut batch, mask, registration)?,
         }
         if batch.len() == 0 {
             let Dropped { no_depth: missing, out_of_range, outside_mask, .. } = batch.dropped;
+            let range = frame.depth_range();
             let (pixels, range) = (batch.given - outside_mask, (range.min, range.max));
             return Err(Error::NoDepth { pixels, missing, out_of_range, range });
         }
         self.append(batch, Scalar::F32)
+    }
+}
+
+/// Makes points of the pixels of a depth image.
+struct BackProjection<'a> {
+    depth: &'a DepthImage,
+    range: &'a DepthRange,
+    /// The camera that measured them.
+    sensor: &'a Camera,
+    /// Where the sensor has rays by columns and rows, their x and y at z = 1.
+    rays: Option<(List<f64>, List<f64>)>,
+    /// From a sensor of its own into the frame of the colour camera.
+    to_color: Option<RigidMotion>,
+}
+
+impl<'a> BackProjection<'a> {
+    fn new(frame: &'a Frame, camera: &'a Camera, depth: &'a DepthImage) -> Self {
+        let own = frame.depth_camera();
+        let sensor = own.map_or(camera, |own| &own.camera);
+        let rays = sensor.rays_by_column_and_row();
+        Self { depth, range: frame.depth_range(), sensor, rays, to_color: own.map(|own| own.to_color) }
+    }
+
+    /// Every pixel.
+    fn add_all(&self, batch: &mut Batch<f64>) -> Result<()> {
+        let (width, height) = self.depth.size();
+        for row in 0..height {
+            batch.reserve(width)?;
+            runs(0..width).for_each(|columns| self.add_run(batch, columns, row, None));
+        }
+        Ok(())
+    }
+
+    /// The pixels of a mask that is on their own grid.
+    fn add_in_mask(&self, batch: &mut Batch<f64>, mask: &Mask) -> Result<()> {
+        let count = mask.count();
+        batch.dropped.outside_mask = batch.given - count;
+        batch.reserve(count)?;
+        let (columns, rows) = mask.bounds();
+        for row in rows {
+            runs(columns.clone()).for_each(|columns| self.add_run(batch, columns, row, Some(mask)));
+        }
+        Ok(())
+    }
+
+    /// The pixels that the colour camera sees in a mask on the grid of its image.
+    fn add_registered(&self, batch: &mut Batch<f64>, mask: &Mask, registration: &Registration) -> Result<()> {
+        let (width, height) = self.depth.size();
+        for row in 0..height {
+            batch.reserve(width)?;
+            for column in 0..width {
+                match registration.sight(row * width + column, mask) {
+                    Sight::Outside => batch.dropped.outside_mask += 1,
+                    sight => self.add_pixel(batch, column, row, sight == Sight::Hidden),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A pixel, unless it has no depth that counts or lies hidden.
+    fn add_pixel(&self, batch: &mut Batch<f64>, column: usize, row: usize, hidden: bool) {
+        let Some(depth) = self.depth.depth_at(row * self.depth.size().0 + column) else {
+            batch.dropped.no_depth += 1;
+            return;
+        };
+        if !(self.range.min <= depth && depth <= self.range.max) {
+            batch.dropped.out_of_range += 1;
+        } else if hidden {
+            batch.dropped.hidden += 1;
+        } else {
+            self.add_point(batch, column, row, depth);
+        }
+    }
+
+    /// The pixels of a run, or those that a mask on their grid selects.
+    fn add_run(&self, batch: &mut Batch<f64>, columns: Range<usize>, row: usize, mask: Option<&Mask>) {
+        let first = row * self.depth.size().0;
+        let pixels = first + columns.start..first + columns.end;
+        let set = mask.map(|mask| mask.pixels_by_index(pixels.clone()));
+        let run = Run::new(&self.depth.values[pixels], set, self.depth.scale, self.range);
+        batch.dropped.no_depth += run.no_depth;
+        batch.dropped.out_of_range += run.out_of_range;
+        let (places, depths) = run.usable();
+        match &self.rays {
+            Some((of_columns, of_rows)) if self.to_color.is_none() => {
+                let [x, y, z] = &mut batch.axes;
+                let rays = &of_columns[columns.clone()];
+                let of_row = of_rows[row];
+                x.extend(places.iter().zip(depths).map(move |(k, depth)| rays[*k] * depth));
+                y.extend(depths.iter().map(move |depth| of_row * depth));
+                z.extend_from_slice(depths);
+                batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
+            }
+            _ => {
+                let measured = places.iter().zip(depths);
+                measured.for_each(|(k, depth)| self.add_point(batch, columns.start + k, row, *depth));
+            }
+        }
+    }
+
+    /// The point at a depth, unless the sensor has no ray there.
+    fn add_point(&self, batch: &mut Batch<f64>, column: usize, row: usize, depth: f64) {
+        let ray = match &self.rays {
+            Some((of_columns, of_rows)) => Some(Vector3::new(of_columns[column], of_rows[row], 1.0)),
+            None => self.sensor.ray_of_pixel(column, row),
+        };
+        let Some(ray) = ray else {
+            batch.dropped.outside_camera += 1;
+            return;
+        };
+        let point = ray * depth;
+        let point = self.to_color.as_ref().map_or(point, |to_color| to_color.point(&point));
+        batch.push(point.into(), column, row);
     }
 }

@@ -150,125 +150,212 @@ pub fn minimise(
     limits: &IterationLimits,
     report: &mut dyn FnMut(&Iteration) -> ControlFlow<()>,
 ) -> Result<Convergence> {
-    let Domain { data_center, unit: data_unit, limits: cylinder_limits, .. } = *domain;
-    let chart = if cylinder_limits.is_none() { domain.chart } else { Chart::Local };
-    let unit = match chart {
-        Chart::Local => data_unit,
-        Chart::Orthonormal => 1.0,
-    };
-    let squared = unit * unit;
-    let linearise = |cylinder: &Cylinder| {
-        let frame = LocalFrame::new(cylinder, &data_center, unit);
-        objective.linearise(&frame).map(|equations| (frame, equations))
-    };
-    let Some((mut frame, mut equations)) = linearise(start) else {
-        let reason =
-            "the camera sees no limbs of the start model, which is around or behind it; check the intrinsics";
-        return Err(Error::NoStart { reason: reason.into() });
-    };
-    let initial_cost = equations.cost * squared;
-    // The residuals of exact data are rounding errors of the coordinates: nothing is gained below.
-    let extent = data_center.amax().max(data_unit);
-    let floor = (4.0 * f64::EPSILON * extent / unit).powi(2);
-
-    let mut lambda = limits.initial_lambda;
-    let mut step_norm = 0.0;
-    let mut second_derivative = None;
-    // Whether a step from here that promised progress failed.
-    let mut disappointed = false;
-    let (mut iterations, mut rejected_steps) = (0, 0);
+    let mut descent = Descent::new(objective, start, domain, limits)?;
+    let initial_cost = descent.cost();
     let termination = loop {
-        let iteration = Iteration {
-            iteration: iterations,
-            cost: equations.cost * squared,
-            lambda,
-            cylinder: frame.cylinder,
-        };
-        if report(&iteration).is_break() {
-            return Err(Error::Cancelled { iterations });
+        if report(&descent.iteration()).is_break() {
+            return Err(Error::Cancelled { iterations: descent.iterations });
         }
-        if equations.cost <= floor {
-            break Termination::Cost;
+        if let Some(reason) = descent.ends_here() {
+            break reason;
         }
-        if frame.cylinder.radius > LARGEST_RADIUS * data_unit {
-            break Termination::RadiusRanAway;
-        }
-        let largest = (equations.hessian.trace() * equations.cost).sqrt();
-        let gradient = cylinder_limits.free_gradient(&frame, &equations.gradient);
-        if gradient.norm() <= limits.gradient_tolerance * largest {
-            break Termination::Gradient;
-        }
-        if iterations == limits.max_iterations {
-            break Termination::MaxIterations;
-        }
-        iterations += 1;
-        let creeping = chart == Chart::Local && iterations > GAUSS_NEWTON_ITERATIONS;
-        if creeping && second_derivative.is_none() {
-            second_derivative = differentiate_gradient(&frame, &equations.gradient, linearise);
-        }
-        let hessian = second_derivative.unwrap_or(equations.curvature);
-        let step = match chart {
-            Chart::Local => Step::local(&frame, &hessian, &equations.gradient, lambda, cylinder_limits),
-            Chart::Orthonormal => Step::orthonormal(&frame, &hessian, &equations.gradient, lambda),
-        };
-        let step = step.filter(|step| step.tangent.iter().all(|x| x.is_finite()));
-        let promises = |part: f64| step.is_none_or(|step| !(step.decrease <= part * equations.cost));
-        if !promises(ROUNDING) {
-            break if disappointed { Termination::Stalled } else { Termination::Cost };
-        }
-        // The last step is taken without a look: its decrease would not count as progress.
-        if let (Some(step), false, false) = (step, promises(limits.cost_tolerance), disappointed) {
-            frame = LocalFrame::new(&step.cylinder, &data_center, unit);
-            equations.cost -= step.decrease;
-            step_norm = step.tangent.norm();
-            break Termination::Cost;
-        }
-        let small = step.is_some_and(|step| {
-            moved_by(&frame, &step.cylinder, data_unit) <= limits.step_tolerance * extent
-        });
-        let trial = step.and_then(|step| {
-            let trial_frame = LocalFrame::new(&step.cylinder, &data_center, unit);
-            let trial_equations = lower(objective, &trial_frame, equations.cost, disappointed)?;
-            Some((step, trial_frame, trial_equations))
-        });
-        if let Some((step, trial_frame, trial_equations)) = trial {
-            let decrease = equations.cost - trial_equations.cost;
-            let converged = decrease < limits.cost_tolerance * equations.cost;
-            (frame, equations) = (trial_frame, trial_equations);
-            (second_derivative, disappointed) = (None, false);
-            step_norm = step.tangent.norm();
-            // Never 0, from which it could not grow again.
-            lambda = (lambda / limits.lambda_factor).max(f64::MIN_POSITIVE);
-            if converged {
-                break Termination::Cost;
-            }
-        } else {
-            rejected_steps += 1;
-            // A larger damping promises less still.
-            let promised = promises(limits.cost_tolerance);
-            let raised = lambda * limits.lambda_factor;
-            if !promised && !disappointed {
-                break Termination::Cost;
-            }
-            if !promised || raised > limits.max_lambda {
-                break Termination::Stalled;
-            }
-            (lambda, disappointed) = (raised, true);
-        }
-        if small {
-            break Termination::Step;
+        if let Some(reason) = descent.advance() {
+            break reason;
         }
     };
     Ok(Convergence {
-        cylinder: frame.cylinder,
-        cost: equations.cost * squared,
+        cylinder: descent.frame.cylinder,
+        cost: descent.cost(),
         initial_cost,
-        iterations,
-        rejected_steps,
+        iterations: descent.iterations,
+        rejected_steps: descent.rejected_steps,
         termination,
-        lambda,
-        step_norm,
+        lambda: descent.lambda,
+        step_norm: descent.step_norm,
     })
+}
+
+/// Where an iteration has come to.
+struct Descent<'a, O: ?Sized> {
+    objective: &'a O,
+    limits: &'a IterationLimits,
+    /// With the chart that is taken.
+    domain: Domain<'a>,
+    /// The unit of the frames.
+    unit: f64,
+    /// How large the coordinates of the data are.
+    extent: f64,
+    /// The cost of exact data, whose residuals are rounding errors of the coordinates: nothing is gained below.
+    floor: f64,
+    frame: LocalFrame,
+    equations: NormalEquations,
+    /// Known where the iteration creeps.
+    second_derivative: Option<TangentMap>,
+    lambda: f64,
+    step_norm: f64,
+    /// Whether a step from here that promised progress failed.
+    disappointed: bool,
+    iterations: usize,
+    rejected_steps: usize,
+}
+
+impl<'a, O: Objective + ?Sized> Descent<'a, O> {
+    /// At the start.
+    fn new(
+        objective: &'a O,
+        start: &Cylinder,
+        domain: &Domain<'a>,
+        limits: &'a IterationLimits,
+    ) -> Result<Self> {
+        let chart = if domain.limits.is_none() { domain.chart } else { Chart::Local };
+        let unit = match chart {
+            Chart::Local => domain.unit,
+            Chart::Orthonormal => 1.0,
+        };
+        let frame = LocalFrame::new(start, &domain.data_center, unit);
+        let Some(equations) = objective.linearise(&frame) else {
+            let reason = "the camera sees no limbs of the start model, which is around or behind it; check the intrinsics";
+            return Err(Error::NoStart { reason: reason.into() });
+        };
+        let extent = domain.data_center.amax().max(domain.unit);
+        Ok(Self {
+            objective,
+            limits,
+            domain: Domain { chart, ..*domain },
+            unit,
+            extent,
+            floor: (4.0 * f64::EPSILON * extent / unit).powi(2),
+            frame,
+            equations,
+            second_derivative: None,
+            lambda: limits.initial_lambda,
+            step_norm: 0.0,
+            disappointed: false,
+            iterations: 0,
+            rejected_steps: 0,
+        })
+    }
+
+    /// The cost in the caller's unit.
+    fn cost(&self) -> f64 {
+        self.equations.cost * (self.unit * self.unit)
+    }
+
+    fn iteration(&self) -> Iteration {
+        Iteration {
+            iteration: self.iterations,
+            cost: self.cost(),
+            lambda: self.lambda,
+            cylinder: self.frame.cylinder,
+        }
+    }
+
+    /// Why no step from here is looked for.
+    fn ends_here(&self) -> Option<Termination> {
+        let Self { limits, domain, frame, equations, .. } = self;
+        if equations.cost <= self.floor {
+            return Some(Termination::Cost);
+        }
+        if frame.cylinder.radius > LARGEST_RADIUS * domain.unit {
+            return Some(Termination::RadiusRanAway);
+        }
+        let largest = (equations.hessian.trace() * equations.cost).sqrt();
+        let gradient = domain.limits.free_gradient(frame, &equations.gradient);
+        if gradient.norm() <= limits.gradient_tolerance * largest {
+            return Some(Termination::Gradient);
+        }
+        (self.iterations == limits.max_iterations).then_some(Termination::MaxIterations)
+    }
+
+    /// Finds a step, and takes it where it lowers the cost; else the damping grows. Says why, where that is the end.
+    fn advance(&mut self) -> Option<Termination> {
+        self.iterations += 1;
+        let step = self.find_step();
+        let promises = |part: f64| step.is_none_or(|step| !(step.decrease <= part * self.equations.cost));
+        if !promises(ROUNDING) {
+            return Some(if self.disappointed { Termination::Stalled } else { Termination::Cost });
+        }
+        let promising = promises(self.limits.cost_tolerance);
+        // The last step is taken without a look: its decrease would not count as progress.
+        if let (Some(step), false, false) = (step, promising, self.disappointed) {
+            self.frame = self.frame_at(&step.cylinder);
+            self.equations.cost -= step.decrease;
+            self.step_norm = step.tangent.norm();
+            return Some(Termination::Cost);
+        }
+        let small = step.is_some_and(|step| {
+            moved_by(&self.frame, &step.cylinder, self.domain.unit)
+                <= self.limits.step_tolerance * self.extent
+        });
+        let trial = step.and_then(|step| {
+            let frame = self.frame_at(&step.cylinder);
+            let equations = lower(self.objective, &frame, self.equations.cost, self.disappointed)?;
+            Some((step, frame, equations))
+        });
+        let end = match trial {
+            Some((step, frame, equations)) => self.take(&step, frame, equations),
+            None => self.refuse(promising),
+        };
+        end.or(small.then_some(Termination::Step))
+    }
+
+    /// The step from here; `None` where there is none.
+    fn find_step(&mut self) -> Option<Step> {
+        let creeping = self.domain.chart == Chart::Local && self.iterations > GAUSS_NEWTON_ITERATIONS;
+        if creeping && self.second_derivative.is_none() {
+            self.second_derivative = self.differentiate_gradient();
+        }
+        let Self { frame, lambda, equations, .. } = self;
+        let hessian = self.second_derivative.unwrap_or(equations.curvature);
+        let step = match self.domain.chart {
+            Chart::Local => Step::local(frame, &hessian, &equations.gradient, *lambda, self.domain.limits),
+            Chart::Orthonormal => Step::orthonormal(frame, &hessian, &equations.gradient, *lambda),
+        };
+        step.filter(|step| step.tangent.iter().all(|x| x.is_finite()))
+    }
+
+    /// Goes where a step leads. Ends where the cost no longer falls.
+    fn take(&mut self, step: &Step, frame: LocalFrame, equations: NormalEquations) -> Option<Termination> {
+        let decrease = self.equations.cost - equations.cost;
+        let converged = decrease < self.limits.cost_tolerance * self.equations.cost;
+        (self.frame, self.equations) = (frame, equations);
+        (self.second_derivative, self.disappointed) = (None, false);
+        self.step_norm = step.tangent.norm();
+        // Never 0, from which it could not grow again.
+        self.lambda = (self.lambda / self.limits.lambda_factor).max(f64::MIN_POSITIVE);
+        converged.then_some(Termination::Cost)
+    }
+
+    /// Stays, with more damping. Ends where that gains nothing.
+    fn refuse(&mut self, promising: bool) -> Option<Termination> {
+        self.rejected_steps += 1;
+        // A larger damping promises less still.
+        let raised = self.lambda * self.limits.lambda_factor;
+        if !promising && !self.disappointed {
+            return Some(Termination::Cost);
+        }
+        if !promising || raised > self.limits.max_lambda {
+            return Some(Termination::Stalled);
+        }
+        (self.lambda, self.disappointed) = (raised, true);
+        None
+    }
+
+    /// Half the second derivative of the cost in the tangent of the frame, by differences to the gradient; `None` next
+    /// to where the cost is infinite.
+    fn differentiate_gradient(&self) -> Option<TangentMap> {
+        let mut derivative = TangentMap::zeros();
+        for k in 0..5 {
+            let ahead = self.frame.retract(&Tangent::ith(k, DIFFERENCE_STEP));
+            let ahead = self.objective.linearise(&self.frame_at(&ahead))?;
+            derivative.set_column(k, &((ahead.gradient - self.equations.gradient) / DIFFERENCE_STEP));
+        }
+        Some((derivative + derivative.transpose()) * 0.5)
+    }
+
+    fn frame_at(&self, cylinder: &Cylinder) -> LocalFrame {
+        LocalFrame::new(cylinder, &self.domain.data_center, self.unit)
+    }
 }
 
 /// The decrease of the cost, as a part of it, that its rounding hides: a mean of squares that are all positive.
@@ -337,21 +424,6 @@ fn moved_by(frame: &LocalFrame, cylinder: &Cylinder, data_unit: f64) -> f64 {
     let step = frame.difference(cylinder);
     let lengths = Tangent::new(frame.unit, frame.unit, data_unit, data_unit, frame.unit);
     step.component_mul(&lengths).norm()
-}
-
-/// Half the second derivative of the cost in the tangent of a frame, by differences to the gradient there; `None` next
-/// to where the cost is infinite.
-fn differentiate_gradient(
-    frame: &LocalFrame,
-    gradient: &Tangent,
-    linearise: impl Fn(&Cylinder) -> Option<(LocalFrame, NormalEquations)>,
-) -> Option<TangentMap> {
-    let mut derivative = TangentMap::zeros();
-    for k in 0..5 {
-        let (_, ahead) = linearise(&frame.retract(&Tangent::ith(k, DIFFERENCE_STEP)))?;
-        derivative.set_column(k, &((ahead.gradient - gradient) / DIFFERENCE_STEP));
-    }
-    Some((derivative + derivative.transpose()) * 0.5)
 }
 
 /// The matrix of (29), JᵀΩJ + λI.
