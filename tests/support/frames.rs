@@ -12,12 +12,15 @@ use std::path::{Path, PathBuf};
 /// Folders of frames below `../shared` beside the checkout; empty with a message when they are not there.
 pub fn shared_frames(set: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared").join(set);
-    let Ok(entries) = std::fs::read_dir(&folder) else {
+    let mut folders: Vec<PathBuf> = std::fs::read_dir(&folder)
+        .into_iter()
+        .flatten()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.join("frame.json").exists())
+        .collect();
+    if folders.is_empty() {
         eprintln!("skipped: no frames in ../shared/{set}");
-        return Vec::new();
-    };
-    let mut folders: Vec<PathBuf> =
-        entries.map(|entry| entry.unwrap().path()).filter(|path| path.join("frame.json").exists()).collect();
+    }
     folders.sort();
     folders
 }
