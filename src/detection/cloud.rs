@@ -12,7 +12,7 @@ mod viewpoints;
 use super::effort::Effort;
 use super::grid::Grid;
 use super::labels::{count_pixels, label};
-use super::search::{Limbs, search};
+use super::search::{Limbs, Searched, search};
 use super::{DetectionOptions, Detections, row};
 use crate::error::{Result, cancelled_if};
 use crate::geometry::{AxisCone, Cylinder, Line};
@@ -88,10 +88,11 @@ fn look(
     let mut grid = Grid::new(size, raster.spacing, looks.side_of_cells(size), &read_points);
     cancelled()?;
     let effort = Effort::new(stopped);
-    let found = search(&mut grid, raster.spacing, &Limbs::None, &turned, &effort)?.cylinders;
+    let Searched { cylinders: found, independent, .. } =
+        search(&mut grid, raster.spacing, &Limbs::None, &turned, &effort)?;
     if found.is_empty() {
         let (cut_short, visits) = (effort.is_cut_short(), effort.visits());
-        looks.note(size, image.closed);
+        looks.note(size, image.closed, independent);
         looks.keep(image.nearest);
         return Ok(Some(Detections { cut_short, visits, ..Detections::default() }));
     }
@@ -110,11 +111,12 @@ fn look(
         detection.cylinder = Cylinder { axis, radius };
     }
     count_pixels(&mut cylinders, &labels);
-    looks.note(size, image.closed);
-    let seen_from = (viewpoint.may_be_sensor() && !image.closed).then_some(viewpoint.origin);
+    looks.note(size, image.closed, independent);
+    // Where points do not share their errors no window has drawn out what is next to a limb.
+    let seen_from = (viewpoint.may_be_sensor() && !image.closed && !independent).then_some(viewpoint.origin);
     let whole = viewpoint.is_sensor() && !image.closed;
     looks.keep(image.nearest);
-    Ok(Some(Detections { cylinders, labels, seen_from, whole, ..seen }))
+    Ok(Some(Detections { cylinders, labels, seen_from, whole, independent, ..seen }))
 }
 
 /// The image of the present look.

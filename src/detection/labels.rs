@@ -101,6 +101,7 @@ pub(super) fn label(
         visits: effort.visits(),
         seen_from: Some(Vector3::zeros()),
         whole: true,
+        independent: false,
         image: None,
         shift: None,
     }

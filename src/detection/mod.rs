@@ -118,6 +118,8 @@ pub struct Detections {
     pub(crate) seen_from: Option<Vector3<f64>>,
     /// Whether a region has all of its body that there is, as far as that can be told.
     pub(crate) whole: bool,
+    /// Whether each point of a cloud has an error of its own.
+    pub(crate) independent: bool,
     /// What scores after a fit need of the image.
     image: Option<ImageEdges>,
 }
@@ -230,7 +232,7 @@ pub(crate) fn detect_until(
     };
     let limbs = edges.as_ref().map_or(Limbs::Outline, |edges| Limbs::Edges(edges, &pixel_of));
     let effort = Effort::new(stopped);
-    let Searched { cylinders, shift } = search(&mut grid, pixel, &limbs, options, &effort)?;
+    let Searched { cylinders, shift, .. } = search(&mut grid, pixel, &limbs, options, &effort)?;
     let found = labels::label(&grid, &cylinders, (width, height), pixel, &read_points, &read_rays, &effort);
     Ok(Detections { image: edges, shift, ..found })
 }

@@ -10,6 +10,9 @@ use std::ops::Range;
 /// nearer cells share their error. 4 cells of 3 pixels do not.
 const LAG: usize = 4;
 
+/// Where fewer cells than this share an error no window has matched them.
+const SHARED: f64 = 2.0;
+
 /// Fewest second differences that tell something.
 const FEWEST: usize = 50;
 
@@ -146,6 +149,11 @@ impl Noise {
             }
         }
         Some(Self { deviation, cells_per_sample: (along * along).clamp(1.0, 16.0) })
+    }
+
+    /// Whether neighbouring cells share their errors.
+    pub fn is_shared(&self) -> bool {
+        self.cells_per_sample >= SHARED
     }
 }
 

@@ -89,6 +89,8 @@ pub(super) struct Searched {
     pub cylinders: Vec<Judged>,
     /// See [`super::Detections::shift`].
     pub shift: Option<[i32; 2]>,
+    /// Whether each cell has an error of its own: finer ones lose nothing then.
+    pub independent: bool,
 }
 
 /// What tells limbs beside the surface.
@@ -111,13 +113,14 @@ pub(super) fn search(
 ) -> Result<Searched> {
     let cancelled = || cancelled_if(effort.ask());
     let Some(noise) = Noise::estimate(grid) else {
-        return Ok(Searched { cylinders: Vec::new(), shift: None });
+        return Ok(Searched { cylinders: Vec::new(), shift: None, independent: false });
     };
     cancelled()?;
     let planes = planes::find_planes(grid, &noise, effort);
     cancelled()?;
     let image = if let Limbs::Edges(edges, pixel_of) = *limbs { Some((edges, pixel_of)) } else { None };
     let by_outline = matches!(limbs, Limbs::Outline);
+    let independent = !noise.is_shared();
     let scene = Scene::new(grid, noise, planes::open(grid, &planes), image, pixel, effort);
     let mut marks = Marks::of_open(&scene.open);
     let mut explained = vec![false; grid.cells.len()];
@@ -140,7 +143,7 @@ pub(super) fn search(
         settle(&scene, &mut cylinders, options, &mut marks);
     }
     let shift = scene.shift(&cylinders, &mut marks);
-    Ok(Searched { cylinders, shift })
+    Ok(Searched { cylinders, shift, independent })
 }
 
 /// Whether two cylinders are nearly one.

@@ -15,9 +15,6 @@ const MISSING: f64 = 0.35;
 /// The radius in pixels up to which the outline tells it as well as the points do.
 const WIDEST: f64 = 30.0;
 
-/// Where fewer cells than this share an error no window has matched them, and the points alone tell the radius.
-const SHARED: f64 = 2.0;
-
 /// Most steps of the fit.
 const STEPS: usize = 6;
 
@@ -33,7 +30,8 @@ impl Scene<'_> {
     pub fn settled(&self, candidate: &Candidate, marks: &mut Marks) -> Option<Surface> {
         let Candidate { surface, cells, .. } = candidate;
         let Surface::Cylinder(cylinder, _) = surface else { return None };
-        if self.noise.cells_per_sample < SHARED {
+        // Where no window has matched the depth, the points alone tell the radius.
+        if !self.noise.is_shared() {
             return None;
         }
         let depth = middle(&self.grid.cells, cells).z;

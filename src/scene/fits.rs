@@ -133,6 +133,8 @@ impl<'a> Fits<'a> {
         }
         let mut is_one =
             self.seen.whole || apart(|| is_round(&detection.cylinder, places_of(looks, &region)));
+        // Errors that neighbours share look like a surface that is not round.
+        let is_lenient = self.seen.whole && !self.seen.independent;
         check(0)?;
         let mut body = Vec::new();
         if rounds > 0
@@ -161,7 +163,9 @@ impl<'a> Fits<'a> {
         let evidence = self.seen.evidence_of_fit(&detection, &result.cylinder, deviation, None);
         let mut found = found(*fitter, evidence, &detection, result);
         // A box within the reach of a cylinder is none.
-        let is_one = is_one && (self.seen.whole || !found.result.flags.contains(Flags::POOR_FIT));
+        let is_poor = || found.result.flags.contains(Flags::POOR_FIT);
+        let fits = || apart(|| is_round(&found.result.cylinder, places_of(looks, &region)));
+        let is_one = is_one && (is_lenient || !is_poor() && (!self.seen.whole || fits()));
         found.score = if is_one { with_odds_divided(found.score, self.tries) } else { 0.0 };
         (found.region, found.body) = (region, body);
         Ok(found)

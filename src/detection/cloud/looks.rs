@@ -59,6 +59,9 @@ pub(crate) struct Looks {
     side: usize,
     /// Whether finer cells may show more.
     few_cells: bool,
+    /// Whether finer cells show bodies that are too thin for these, and lose nothing: a sensor has seen the cloud whose errors are
+    /// those of single points.
+    sharp: bool,
     /// Whether the cloud is so far from its origin that nothing there has seen it.
     far: bool,
     /// Whether the points have flat pieces enough for their densities to tell of a sensor in the origin, or of none there.
@@ -98,6 +101,7 @@ impl Default for Looks {
             current: 0,
             side: LEAST_SIDE,
             few_cells: false,
+            sharp: false,
             far: false,
             densities_tell: false,
             unseen: false,
@@ -224,6 +228,8 @@ impl Looks {
         // A sensor in the origin may look along another axis: that is a look like others.
         let aside = || if self.far { None } else { of_sensor_at(&Vector3::zeros(), points, &middle) };
         let (mut hidden_from_origin, mut memory) = (1.0, Vec::new());
+        // A look from there shows little where much is hidden, and would be the only one.
+        let mut sees_all = true;
         if let Some(from) = origin.or_else(aside)
             && let Some(image) = image(&from, Vec::new())?
         {
@@ -233,6 +239,7 @@ impl Looks {
                 self.image = origin.map(|_| image);
                 return Ok(origin);
             }
+            sees_all = image.seen >= SEEN || image.closed;
             (hidden_from_origin, memory) = (1.0 - image.seen, image.nearest);
         }
         // Of several places the one that leaves the least of the densities and hides the least of the points.
@@ -250,7 +257,7 @@ impl Looks {
             }
             memory = image.nearest;
         }
-        Ok(best.map(|(_, viewpoint)| viewpoint).or(origin))
+        Ok(best.map(|(_, viewpoint)| viewpoint).or(origin.filter(|_| sees_all)))
     }
 
     fn look_from_all_sides(&mut self) {
@@ -284,11 +291,13 @@ impl Looks {
         Ok(())
     }
 
-    /// Notes what the image of the present look is like: its size, and whether there is another wall behind what is seen.
-    pub(super) fn note(&mut self, (width, height): (usize, usize), closed: bool) {
+    /// Notes what the image of the present look is like: its size, whether there is another wall behind what is seen, and whether each
+    /// cell has an error of its own.
+    pub(super) fn note(&mut self, (width, height): (usize, usize), closed: bool, independent: bool) {
         self.few_cells = width * height < FEW_CELLS * self.side * self.side;
         let Some(viewpoint) = self.viewpoint().copied() else { return };
         self.closed |= closed && viewpoint.may_be_sensor();
+        self.sharp = independent && viewpoint.is_sensor() && !closed;
         if viewpoint.is_sensor() && closed && self.viewpoints.len() == 1 {
             // No sensor was there.
             self.look_from_all_sides();
@@ -313,12 +322,12 @@ impl Looks {
     /// Goes on to the next look, where there is one: with finer cells where these are few and nothing was found `here`, by the present
     /// look, else from the next viewpoint, else at the next tile. Whether any look so far has `found` something.
     pub fn go_on(&mut self, found: bool, here: bool) -> bool {
-        if !here && self.few_cells && self.side > 1 {
+        if (self.sharp || !here && self.few_cells) && self.side > 1 {
             self.side -= 1;
             self.before += 1;
             return true;
         }
-        self.few_cells = false;
+        (self.few_cells, self.sharp) = (false, false);
         self.side = LEAST_SIDE;
         let origin = self.viewpoints.get(self.current).map(|viewpoint| viewpoint.origin);
         self.current += 1;
