@@ -19,7 +19,7 @@ const SECTORS: usize = 72;
 const BESIDE: usize = 12;
 
 /// The background is counted up to so many times the distance from the surface within which points count.
-const REACH: f64 = 4.0;
+const REACH: f64 = 8.0;
 
 /// A surface has more points than the background lets expect by so many standard deviations of that number, and by one.
 const BEYOND_CHANCE: f64 = 3.0;
@@ -203,8 +203,8 @@ mod tests {
 
     #[test]
     fn rings_about_an_axis_hold_as_much_background_as_they_are_large() {
-        assert!((share_within(1.0, 0.01) - 1.0 / 3.0).abs() < 1e-12);
-        // Within 2 of a radius of 1 is all about the axis.
-        assert!((share_within(1.0, 0.5) - 2.0 / (9.0 - 2.0)).abs() < 1e-12);
+        assert!((share_within(1.0, 0.01) - 1.0 / 7.0).abs() < 1e-12);
+        // Within 4 of a radius of 1 is all about the axis.
+        assert!((share_within(1.0, 0.5) - 2.0 / (25.0 - 2.0)).abs() < 1e-12);
     }
 }
