@@ -6,11 +6,9 @@
 
 use super::view::View;
 use crate::geometry::{Cylinder, LocalFrame};
+use crate::observations::{ENOUGH, spread};
 use crate::residuals::TUKEY_EFFICIENT;
-use nalgebra::Vector3;
-
-/// Points that tell what is background.
-const SAMPLE: usize = 2_000;
+use nalgebra::{Vector2, Vector3};
 
 /// Sectors about an axis.
 const SECTORS: usize = 72;
@@ -24,8 +22,19 @@ const REACH: f64 = 8.0;
 /// A surface has more points than the background lets expect by so many standard deviations of that number, and by one.
 const BEYOND_CHANCE: f64 = 3.0;
 
-/// A surface is no thinner than this part of what it is where half of its points are, but for the last degrees before a limb.
-const LEAST_DENSITY: f64 = 0.05;
+/// A sector is told by as many to either side of it, too, as have so many points together where half of all points are.
+const ENOUGH_TO_TELL: f64 = 10.0;
+
+/// Sectors are thin that have less than this part of the points of those where half of all points are.
+const HARDLY_ANY: f64 = 0.05;
+
+/// Thin sectors are surface where they have more than so many times the points that the background lets expect in all of them, and so many
+/// more: a fit is drawn to where chance has put a few.
+const DRAWN: f64 = 3.0;
+const LEAST_OF_THIN: f64 = 5.0;
+
+/// Points that scatter this far from the surface, in radii, have nothing beside them.
+const WIDEST: f64 = 0.25;
 
 /// Where less than this part of the points on a cylinder is on its surface nothing tells what is background.
 const LEAST_SURFACE: f64 = 0.5;
@@ -46,14 +55,19 @@ impl Surface {
         scale: f64,
     ) -> Option<Self> {
         let frame = LocalFrame::new(cylinder, &cylinder.axis.point, 1.0);
-        let most = SAMPLE / views.clone().count();
+        let within = TUKEY_EFFICIENT * scale;
+        if within > WIDEST * cylinder.radius {
+            return None;
+        }
+        let most = ENOUGH / views.clone().count();
         let places = || {
             views.clone().flat_map(|view| {
                 let seen = frame.moved(&view.pose().inverse());
-                view.cloud.sampled(most).map(move |point| Place::new(&seen, &point))
+                // Of very many a part that no length of rows is in step with.
+                let part = spread(view.cloud.len(), most);
+                (0..part.len()).map(move |k| Place::new(&seen, &view.cloud.point(part[k])))
             })
         };
-        let within = TUKEY_EFFICIENT * scale;
         let is_beside = |place: &Place| place.distance > within && place.distance <= REACH * within;
         if !places().any(|place| is_beside(&place)) {
             return None;
@@ -66,15 +80,22 @@ impl Surface {
                 beside[place.sector()] += 1.0;
             }
         }
+        let typical = typical(on);
+        let is_thin = |sector: &usize| on[*sector] <= HARDLY_ANY * typical;
         // Beside a surface are points of its own as well, where noise has tails.
-        let least = LEAST_DENSITY * typical(on);
-        if on.iter().zip(&beside).all(|(on, beside)| *on > least || *beside == 0.0) {
+        if !(0..SECTORS).filter(is_thin).any(|sector| beside[sector] > 0.0) {
             return None;
         }
         let share = share_within(cylinder.radius, within);
+        let expected = |sector: usize| share * background(&beside, sector);
+        let thin = (0..SECTORS).filter(is_thin).map(|sector| Vector2::new(on[sector], expected(sector)));
+        let thin: Vector2<f64> = thin.sum();
+        let thin_are_surface = thin.x > DRAWN * thin.y + LEAST_OF_THIN;
+        let reach = ((ENOUGH_TO_TELL / typical - 1.0) / 2.0).ceil().clamp(0.0, BESIDE as f64) as usize;
         let holds = std::array::from_fn(|sector| {
-            let expected = share * background(&beside, sector);
-            on[sector] > least.max(expected + BEYOND_CHANCE * expected.sqrt() + 1.0)
+            let expected = expected(sector) * (2 * reach + 1) as f64;
+            let is_dense = around(&on, sector, reach) > expected + BEYOND_CHANCE * expected.sqrt() + 1.0;
+            is_dense && (thin_are_surface || !is_thin(&sector))
         });
         let all: f64 = on.iter().sum();
         let of_surface: f64 = on.iter().zip(holds).map(|(on, holds)| if holds { *on } else { 0.0 }).sum();
@@ -121,9 +142,13 @@ fn share_within(radius: f64, within: f64) -> f64 {
 
 /// The number of points beside the surface in a sector as those around it tell it, but no fewer than in all of them on average.
 fn background(beside: &[f64; SECTORS], sector: usize) -> f64 {
-    let around = (0..=2 * BESIDE).map(|k| beside[(sector + SECTORS + k - BESIDE) % SECTORS]);
     let mean = |sum: f64, count: usize| sum / count as f64;
-    mean(around.sum(), 2 * BESIDE + 1).max(mean(beside.iter().sum(), SECTORS))
+    mean(around(beside, sector, BESIDE), 2 * BESIDE + 1).max(mean(beside.iter().sum(), SECTORS))
+}
+
+/// How many points are in a sector and as many as `reach` to either side.
+fn around(counts: &[f64; SECTORS], sector: usize, reach: usize) -> f64 {
+    (0..=2 * reach).map(|k| counts[(sector + SECTORS + k - reach) % SECTORS]).sum()
 }
 
 /// How many points are in a sector, for half of them at least.
@@ -188,10 +213,46 @@ mod tests {
         let back: Vec<[f64; 3]> = (0..3).map(|k| [-1.0, 0.0, 0.1 * f64::from(k)]).collect();
         fitter.push_points(&PointsView::from_f64(&back), None).unwrap();
         assert_eq!(Surface::about(&[fitter.view()].into_iter(), &cylinder, 0.01), None);
-        // One point beside the surface, and they may be there by chance.
+        // One point beside the surface, and these may be there by chance.
         fitter.push_points(&PointsView::from_f64(&[[0.0, 1.1, 0.0]]), None).unwrap();
         let surface = Surface::about(&[fitter.view()].into_iter(), &cylinder, 0.01).unwrap();
         assert_eq!(surface.of(fitter.view()).cloud.len(), 1000);
+    }
+
+    #[test]
+    fn a_thin_surface_is_no_background_where_there_are_more_points_than_chance_has() {
+        let mut fitter = arc(1, 40.0, 2000, 20);
+        let on_surface = |k: u32| {
+            let angle = 2.4 * f64::from(k);
+            [angle.cos(), angle.sin(), 3.0 + 0.02 * f64::from(k)]
+        };
+        let thin: Vec<[f64; 3]> = (0..200).map(on_surface).collect();
+        fitter.push_points(&PointsView::from_f64(&thin), None).unwrap();
+        let fit = fitter.fit().unwrap();
+        assert!(fit.uncertainty.unwrap().radius() < 0.002, "{:?}", fit.uncertainty);
+        assert!((fit.cylinder.radius - 1.0).abs() < 0.005, "{:?}", fit.cylinder);
+    }
+
+    /// Every hundredth point of rows of a hundred is of the same column.
+    #[test]
+    fn rows_of_an_organised_cloud_are_not_sampled_in_step() {
+        let rng = &mut ChaCha8Rng::seed_from_u64(5);
+        let mut points: Vec<[f64; 3]> = Vec::new();
+        for row in 0..2000 {
+            for column in 0..100 {
+                let angle = 0.02 * f64::from(column);
+                let radius = 1.0 + 0.01 * number(rng);
+                points.push([radius * angle.cos(), radius * angle.sin(), 3.0 + 0.002 * f64::from(row)]);
+            }
+        }
+        for k in 0..1000 {
+            points[199 * k] = [1.5 * number(rng), 1.5 * number(rng), 5.0 + 2.0 * number(rng)];
+        }
+        let mut fitter = Fitter::new();
+        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        let fit = fitter.fit().unwrap();
+        assert!((fit.cylinder.radius - 1.0).abs() < 1e-3, "{:?}", fit.cylinder);
+        assert!(fit.points_used > 190_000, "{}", fit.points_used);
     }
 
     #[test]

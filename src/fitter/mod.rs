@@ -80,6 +80,9 @@ use std::time::Instant;
 /// Most fits without points that lie on the cylinder before by chance.
 const ROUNDS_OF_SURFACE: usize = 5;
 
+/// How points scatter about a cylinder is known to some percent.
+const NO_WORSE: f64 = 1.05;
+
 /// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
 /// random samples, or places, cells and residuals for the correlation.
 const BYTES_OF_FIT: usize = 96;
@@ -308,7 +311,13 @@ impl Fitter {
             let surface = Surface::about(&views, &fit.1.cylinder, fit.1.point_scale);
             let Some(surface) = surface.filter(|surface| before != Some(surface.holds)) else { break };
             let drawn = views.clone().map(|view| Some(surface.of(view))).collect();
-            let Ok(again) = unless_cancelled(self.fit_views(drawn, run, clock))? else { break };
+            let again = unless_cancelled(self.fit_views(drawn, run, clock))?;
+            // Without background the points lie on the cylinder as well as before at least.
+            let is_as_good = |again: &Fitted| {
+                let poor = [&fit, again].map(|fit| fit.1.flags.contains(Flags::POOR_FIT));
+                again.1.point_scale <= NO_WORSE * fit.1.point_scale && poor != [false, true]
+            };
+            let Some(again) = again.ok().filter(is_as_good) else { break };
             (fit, before) = (again, Some(surface.holds));
         }
         Ok(fit)
