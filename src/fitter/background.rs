@@ -60,24 +60,17 @@ impl Surface {
             return None;
         }
         let most = ENOUGH / views.clone().count();
-        let places = || {
-            views.clone().flat_map(|view| {
-                let seen = frame.moved(&view.pose().inverse());
-                // Of very many a part that no length of rows is in step with.
-                let part = spread(view.cloud.len(), most);
-                (0..part.len()).map(move |k| Place::new(&seen, &view.cloud.point(part[k])))
-            })
-        };
-        let is_beside = |place: &Place| place.distance > within && place.distance <= REACH * within;
-        if !places().any(|place| is_beside(&place)) {
-            return None;
-        }
         let (mut on, mut beside) = ([0.0; SECTORS], [0.0; SECTORS]);
-        for place in places() {
-            if place.distance <= within {
-                on[place.sector()] += 1.0;
-            } else if is_beside(&place) {
-                beside[place.sector()] += 1.0;
+        for view in views.clone() {
+            let seen = frame.moved(&view.pose().inverse());
+            // Of very many a part that no length of rows is in step with.
+            for index in spread(view.cloud.len(), most) {
+                let place = Place::new(&seen, &view.cloud.point(index));
+                if place.distance <= within {
+                    on[place.sector()] += 1.0;
+                } else if place.distance <= REACH * within {
+                    beside[place.sector()] += 1.0;
+                }
             }
         }
         let typical = typical(on);
@@ -177,7 +170,7 @@ mod tests {
     }
 
     /// Points on an arc of a cylinder of radius 1, with noise, and outliers in a box about it.
-    fn arc(seed: u64, arc: f64, count: usize, outliers: usize) -> Fitter {
+    fn points(seed: u64, arc: f64, count: usize, outliers: usize) -> Vec<[f64; 3]> {
         let rng = &mut ChaCha8Rng::seed_from_u64(seed);
         let noise = |rng: &mut ChaCha8Rng| 0.01 * (0..3).map(|_| number(rng)).sum::<f64>();
         let of_arc = |_| {
@@ -187,9 +180,17 @@ mod tests {
         };
         let mut points: Vec<[f64; 3]> = (0..count).map(of_arc).collect();
         points.extend((0..outliers).map(|_| [1.5 * number(rng), 1.5 * number(rng), 5.0 + 2.0 * number(rng)]));
+        points
+    }
+
+    fn of(points: &[[f64; 3]]) -> Fitter {
         let mut fitter = Fitter::new();
-        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        fitter.push_points(&PointsView::from_f64(points), None).unwrap();
         fitter
+    }
+
+    fn arc(seed: u64, arc: f64, count: usize, outliers: usize) -> Fitter {
+        of(&points(seed, arc, count, outliers))
     }
 
     #[test]
@@ -233,6 +234,17 @@ mod tests {
         assert!((fit.cylinder.radius - 1.0).abs() < 0.005, "{:?}", fit.cylinder);
     }
 
+    /// On a ring that is far shorter than wide another search for a start may end at a cylinder across it.
+    #[test]
+    fn a_fit_without_background_that_is_worse_is_not_taken() {
+        for seed in [5, 9, 18] {
+            let mut ring = points(seed, 60.0, 2700, 60);
+            ring.iter_mut().for_each(|[_, _, z]| *z = 5.0 + 0.025 * (*z - 5.0));
+            let axis = of(&ring).fit().unwrap().cylinder.axis;
+            assert!(axis.direction.z.abs() > 0.9, "{seed}: {axis:?}");
+        }
+    }
+
     /// Every hundredth point of rows of a hundred is of the same column.
     #[test]
     fn rows_of_an_organised_cloud_are_not_sampled_in_step() {
@@ -248,9 +260,7 @@ mod tests {
         for k in 0..1000 {
             points[199 * k] = [1.5 * number(rng), 1.5 * number(rng), 5.0 + 2.0 * number(rng)];
         }
-        let mut fitter = Fitter::new();
-        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
-        let fit = fitter.fit().unwrap();
+        let fit = of(&points).fit().unwrap();
         assert!((fit.cylinder.radius - 1.0).abs() < 1e-3, "{:?}", fit.cylinder);
         assert!(fit.points_used > 190_000, "{}", fit.points_used);
     }
@@ -260,6 +270,19 @@ mod tests {
         let cylinder = Cylinder::new(Vector3::zeros(), Vector3::z(), 1.0).unwrap();
         let fitter = arc(1, 60.0, 20, 5000);
         assert_eq!(Surface::about(&[fitter.view()].into_iter(), &cylinder, 0.05), None);
+        // Nor where some sectors have nothing on the cylinder.
+        let mut points = points(1, 60.0, 20, 5000);
+        points.retain(|[x, y, _]| *x > 0.0 || y.abs() > 0.3 || (x.hypot(*y) - 1.0).abs() > 0.05);
+        let fitter = of(&points);
+        assert_eq!(Surface::about(&[fitter.view()].into_iter(), &cylinder, 0.01), None);
+    }
+
+    #[test]
+    fn few_points_are_surface_where_a_sector_holds_one() {
+        for seed in 0..4 {
+            let fit = arc(seed, 360.0, 100, 20).fit().unwrap();
+            assert!(fit.points_used >= 100, "{seed}: {}", fit.points_used);
+        }
     }
 
     #[test]

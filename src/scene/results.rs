@@ -18,9 +18,10 @@ pub struct Found {
     /// Pixels of its region; points for a cloud.
     pub pixels: usize,
     /// The fit of its region. Of a depth image without a grey image, and where no fit covers the limbs better than the search did or
-    /// none is near what that found, it is the cylinder of the search, with [`crate::fitter::Flags::NOT_CONVERGED`]; how far the minimum of the data lies from it is part of its stated
-    /// uncertainty. Of a cloud that was seen from its origin and whose neighbouring points share errors, the fit takes the points within 0.7 radii of the
-    /// axis alone: next to limbs sensors draw them out.
+    /// none is near what that found, it is the cylinder of the search, with [`crate::fitter::Flags::NOT_CONVERGED`]; how far the
+    /// minimum of the data lies from it is part of its stated uncertainty. Of a cloud that was seen from its origin and whose
+    /// neighbouring points share errors, the fit takes the points within 0.7 radii of the axis alone: next to limbs sensors draw
+    /// them out.
     pub result: FitResult,
     /// Its visible piece; of a cloud that of its points.
     pub extent: Result<Extent>,
