@@ -1,6 +1,7 @@
 //! Bare clouds: seen again as an image from where they were measured.
 
 mod cubes;
+mod growth;
 mod hidden;
 mod image;
 mod looks;
@@ -18,9 +19,9 @@ use crate::error::{Result, cancelled_if};
 use crate::geometry::{AxisCone, Cylinder, Line};
 use crate::memory::{List, apart};
 use crate::observations::PointsView;
+pub(crate) use growth::{grown, is_round, reach_of};
 use image::Image;
 pub(crate) use looks::Looks;
-pub(crate) use members::reach;
 use std::ops::Range;
 
 /// A part of the points that may lie anywhere: single ones far away must not make the image wide.

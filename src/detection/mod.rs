@@ -27,12 +27,12 @@ mod settle;
 mod shift;
 mod surface;
 
-pub(crate) use cloud::{Looks, detect_points_until, reach};
+pub(crate) use cloud::{Looks, detect_points_until, grown, is_round, reach_of};
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
 
 pub(crate) use rays::{Band, meets};
-pub(crate) use region::detect_in_mask;
+pub(crate) use region::{detect_in_mask, widened};
 pub(crate) use score::{least_before_fit, with_odds_divided};
 
 use crate::camera::Camera;

@@ -120,7 +120,7 @@ fn cells_around(
 }
 
 /// Limits within which a rough cylinder is looked for.
-fn widened(limits: &CylinderLimits) -> CylinderLimits {
+pub(crate) fn widened(limits: &CylinderLimits) -> CylinderLimits {
     let widened =
         |cone: AxisCone| AxisCone { max_angle: (cone.max_angle + DIRECTION_ERROR).min(FRAC_PI_2), ..cone };
     CylinderLimits {

@@ -8,7 +8,7 @@ use super::view::View;
 use crate::camera::Camera;
 use crate::detection::detect_in_mask;
 use crate::error::Result;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
 use crate::parts::Parts;
 use crate::start::moments::Moments;
@@ -57,7 +57,7 @@ pub(super) fn separate(
     }
     let run = RefCell::new(run);
     let stopped = || run.borrow_mut().report_again().is_break();
-    let found = detect_in_mask(camera, depth, mask, &options.cylinder_limits, &stopped)?;
+    let found = detect_in_mask(camera, depth, mask, &limits_in(view, options), &stopped)?;
     let body = found.and_then(|cylinder| body(view, options, &cylinder));
     Ok(Separated { of_limbs: of_limbs.filter(|_| body.is_none()), body, whole: false })
 }
@@ -75,6 +75,11 @@ fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
     }
     let body = parts.shown(camera, mask, Parts::within_body)?;
     Some(view.with_points(cloud, Some(body)))
+}
+
+/// The limits of cylinders in the coordinates of a view.
+fn limits_in(view: &View, options: &Options) -> CylinderLimits {
+    options.cylinder_limits.moved(&view.pose().inverse())
 }
 
 /// A cylinder that is known before it is searched, on which the points lie.
@@ -98,7 +103,7 @@ fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinde
     let of_limbs = if edges.segments.len() == 2 { edges.cylinder(&sample) } else { None };
     let of_moments = || {
         let points = sample.iter().map(|p| (*p, 1.0));
-        let fit = Moments::new(points)?.best(options.cylinder_limits.cone())?;
+        let fit = Moments::new(points)?.best(limits_in(view, options).cone())?;
         Some(fit.cylinder).filter(explains)
     };
     Known { cylinder: of_limbs.filter(explains).or_else(of_moments), of_limbs, given: false }

@@ -27,6 +27,7 @@ mod options;
 mod other_body;
 mod outlier;
 mod outline;
+mod points_alone;
 mod queries;
 mod ranges;
 mod result;
@@ -69,19 +70,12 @@ use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
 use crate::memory::{List, Memory, is_there};
-use background::Surface;
 use continued::Last;
 use data::Data;
 use held::Held;
 use run::Run;
 use std::ops::ControlFlow;
 use std::time::Instant;
-
-/// Most fits without points that lie on the cylinder before by chance.
-const ROUNDS_OF_SURFACE: usize = 5;
-
-/// How points scatter about a cylinder is known to some percent.
-const NO_WORSE: f64 = 1.05;
 
 /// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
 /// random samples, or places, cells and residuals for the correlation.
@@ -250,7 +244,7 @@ impl Fitter {
             }
             None => {
                 let first = self.fit_views(List::new(), run, &clock)?;
-                self.fit_to_surface(first, run, &clock)?
+                self.fit_to_body(first, run, &clock)?
             }
             Some(fit) => fit,
         };
@@ -292,33 +286,6 @@ impl Fitter {
             }
             let Ok(again) = unless_cancelled(self.fit_views(drawn, run, clock))? else { break };
             fit = again;
-        }
-        Ok(fit)
-    }
-
-    /// The fits after a first one to points alone, without those that lie on the cylinder before by chance.
-    fn fit_to_surface(&self, mut fit: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
-        // Masks and detectors have told the background.
-        let is_told = |view: &View| view.mask.is_some() || view.is_body;
-        if !self.options.is_robust() || self.views.iter().any(is_told) || fit.0.held.has_lines() {
-            return Ok(fit);
-        }
-        let bodies = fit.0.bodies.clone();
-        let views = self.views_or(&bodies);
-        let mut before = None;
-        for _ in 0..ROUNDS_OF_SURFACE {
-            run.check()?;
-            let surface = Surface::about(&views, &fit.1.cylinder, fit.1.point_scale);
-            let Some(surface) = surface.filter(|surface| before != Some(surface.holds)) else { break };
-            let drawn = views.clone().map(|view| Some(surface.of(view))).collect();
-            let again = unless_cancelled(self.fit_views(drawn, run, clock))?;
-            // Without background the points lie on the cylinder as well as before at least.
-            let is_as_good = |again: &Fitted| {
-                let poor = [&fit, again].map(|fit| fit.1.flags.contains(Flags::POOR_FIT));
-                again.1.point_scale <= NO_WORSE * fit.1.point_scale && poor != [false, true]
-            };
-            let Some(again) = again.ok().filter(is_as_good) else { break };
-            (fit, before) = (again, Some(surface.holds));
         }
         Ok(fit)
     }

@@ -7,6 +7,7 @@
 use super::chart::{LocalFrame, Tangent, TangentMap};
 use super::cylinder::Cylinder;
 use super::line::Line;
+use super::motion::RigidMotion;
 use super::rotation::{any_orthogonal, rotate_direction};
 use crate::error::{Error, Result, not_negative};
 use nalgebra::{Matrix2, Vector2, Vector3};
@@ -120,6 +121,13 @@ impl CylinderLimits {
             return Err(Error::argument("axis_max_angle", max_angle, requirement));
         }
         Ok(())
+    }
+
+    /// The same limits for cylinders that are moved.
+    #[must_use]
+    pub fn moved(&self, by: &RigidMotion) -> Self {
+        let moved = |cone: AxisCone| AxisCone { direction: by.direction(&cone.direction), ..cone };
+        Self { axis: self.axis.map(moved), ..*self }
     }
 
     /// The cone that limits the axis; `None` where every direction lies in it.

@@ -1,11 +1,13 @@
 //! The fit of one region.
 
 use super::contests::Piece;
-use super::growth::{grown, is_round, reach_of};
 use super::labels::{indices_of, mask_of};
 use super::work::Share;
 use super::{DetectorOptions, Found};
-use crate::detection::{Band, Detection, DetectionOptions, Detections, Evidence, Looks, with_odds_divided};
+use crate::detection::{
+    Band, Detection, DetectionOptions, Detections, Evidence, Looks, grown, is_round, reach_of,
+    with_odds_divided,
+};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Flags, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};

@@ -5,7 +5,6 @@
 
 mod contests;
 mod fits;
-mod growth;
 mod labels;
 mod results;
 mod work;
@@ -16,7 +15,7 @@ use crate::detection::{
 };
 use crate::error::{Error, Result, cancelled_if};
 use crate::fitter::{Flags, Options, StartKind};
-use crate::geometry::{AxisCone, CylinderLimits, RigidMotion};
+use crate::geometry::{CylinderLimits, RigidMotion};
 use crate::memory::{Memory, apart, is_there};
 use crate::observations::{DepthImage, DepthRange, Frame, PointsView, check_weights, moved};
 use crate::workers::Workers;
@@ -432,8 +431,7 @@ const RADIUS_ERROR: f64 = 0.15;
 
 /// The limits of the search, for those of the cylinders in the frame of reference.
 fn of_search(limits: &CylinderLimits, into_camera: &RigidMotion) -> CylinderLimits {
-    let turned = |cone: AxisCone| AxisCone { direction: into_camera.direction(&cone.direction), ..cone };
-    let turned = CylinderLimits { axis: limits.axis.map(turned), ..*limits };
+    let turned = limits.moved(into_camera);
     let wider = CylinderLimits {
         radius_min: limits.radius_min * (1.0 - RADIUS_ERROR),
         radius_max: limits.radius_max * (1.0 + RADIUS_ERROR),

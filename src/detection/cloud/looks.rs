@@ -150,6 +150,11 @@ impl Looks {
         self.order.is_some() && self.level <= 1
     }
 
+    /// Whether all of the points are looked at, not a tile of them.
+    pub fn at_all(&self) -> bool {
+        self.level == 0
+    }
+
     /// One of all points belongs to a body: later looks do not see it.
     pub fn remove(&mut self, k: u32) {
         if let Some(points) = &mut self.points {

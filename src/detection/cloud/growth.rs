@@ -2,7 +2,7 @@
 //!
 //! What one look shows of a body is a side of it, and often a piece: the rest lies behind something, or beyond the image.
 
-use crate::detection::reach;
+use super::members::reach;
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_size};
 use nalgebra::Vector3;
@@ -73,13 +73,13 @@ impl Slice {
 }
 
 /// How far from the surface of a cylinder that was fitted to a region the points of its body lie.
-pub(super) fn reach_of(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
+pub(crate) fn reach_of(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
     reach(cylinder, region).min(MOST_REACH * cylinder.radius)
 }
 
 /// The points within a reach of the surface of a cylinder that was fitted to a region, by their numbers. `points` has those that may
 /// belong to it.
-pub(super) fn grown(
+pub(crate) fn grown(
     cylinder: &Cylinder,
     reach: f64,
     region: impl Iterator<Item = Vector3<f64>>,
@@ -144,7 +144,7 @@ pub(super) fn grown(
 
 /// Whether points lie on a cylinder, and neither on planes that meet in an edge or pass it by nor on anything else: they scatter by little,
 /// what is left of them is noise but for less, and they bend by more than that.
-pub(super) fn is_round(
+pub(crate) fn is_round(
     cylinder: &Cylinder,
     region: impl ExactSizeIterator<Item = Vector3<f64>> + Clone,
 ) -> bool {
