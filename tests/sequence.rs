@@ -33,6 +33,12 @@ impl Frames {
         fitter.push_image(&ImageView::from_u8(&image, size).unwrap()).unwrap();
     }
 
+    /// The same frame where a lamp went out.
+    fn in_other_light(mut self) -> Self {
+        self.inputs.image.iter_mut().for_each(|value| *value = (0.7 * f64::from(*value)).round() as u8);
+        self
+    }
+
     fn fit(&self, fitter: &mut Fitter, shift: usize) -> FitResult {
         self.push(fitter, shift);
         fitter.fit().unwrap()
@@ -134,4 +140,16 @@ fn a_limb_that_is_covered_is_not_taken_from_the_last_image() {
     assert_eq!(sequence.fit().unwrap().limbs_located, 0);
     // And the next image is searched.
     assert_eq!(frames.fit(&mut sequence, 1).limbs_located, 2);
+}
+
+#[test]
+fn in_another_light_the_limbs_are_searched() {
+    let mut sequence = fitter(StartKind::Last);
+    Frames::read().fit(&mut sequence, 0);
+    let frames = Frames::read().in_other_light();
+    let next = frames.fit(&mut sequence, 0);
+    assert_ne!(next.start_kind, StartKind::Last);
+    agree(&frames.fit(&mut fitter(StartKind::Auto), 0), &next, 0.3);
+    // From there it goes on.
+    assert_eq!(frames.fit(&mut sequence, 0).start_kind, StartKind::Last);
 }

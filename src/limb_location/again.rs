@@ -28,6 +28,10 @@ constants! {
     /// grid shows more: sharp images have about 0.4 on boxes of two and three pixels.
     SHARPER = 0.5, "px";
 
+    /// By how much the surface beside a limb may be brighter or darker than in the last image, as a part: the exposure of a camera follows
+    /// slowly, lamps are switched.
+    BRIGHTER = 0.1, "";
+
     /// When the axis, or the direction from the camera to it, has turned by more, in radians, the light is looked at again:
     /// half the distance of the lamps that are tried.
     TURNED = 0.065, "rad";
@@ -62,6 +66,13 @@ impl Appearance {
     fn is_as_good_as(&self, last: &Self) -> bool {
         let mut pairs = self.limbs.iter().zip(&last.limbs);
         pairs.all(|(limb, last)| limb.residual <= WORSE.get() * last.residual.max(last.noise))
+    }
+
+    /// Whether the surface is as bright beside the limbs as it was in another image: where the lamps changed, its shading is another one,
+    /// and a line may slide to where that looks like the old one.
+    fn is_lit_like(&self, last: &Self) -> bool {
+        let mut pairs = self.limbs.iter().zip(&last.limbs);
+        pairs.all(|(limb, last)| (limb.level - last.level).abs() <= BRIGHTER.get() * last.level.abs())
     }
 }
 
@@ -149,7 +160,7 @@ pub fn locate_limbs_again(
     let [first, second] = &limbs;
     let appearance = Appearance::new(factor, blur, light, [first, second], &seen)?;
     let is_sharper = factor > finest && blur < SHARPER.get();
-    (appearance.is_as_good_as(last) && !is_sharper)
+    (appearance.is_as_good_as(last) && (!lit_alike || appearance.is_lit_like(last)) && !is_sharper)
         .then(|| SeenLimbs { limbs: seen.map(|limb| limb.enlarged(factor)), appearance: Some(appearance) })
 }
 

@@ -1,12 +1,12 @@
 //! A limb on its way from a rough line to one within a few hundredths of a pixel: its line and its shading, the blocks of
 //! its strip with their two levels of brightness each, and how much each of them says about the line.
 
-use super::block::{Background, Block, BlockSums, LimbState, StripLine, sums_of_blocks};
+use super::block::{Background, Block, BlockSums, INSIDE, LimbState, StripLine, sums_of_blocks};
 use super::consensus::RoughLine;
 use super::gather::Near;
 use super::profile::{Kernel, SharpProfile};
 use super::shading::LimbShading;
-use super::strip::Strip;
+use super::strip::{Pixels, Strip};
 use crate::memory::List;
 use crate::residuals::{Progress, Reweighted, Reweighting, Scale};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector2, Vector4};
@@ -82,6 +82,8 @@ pub(super) struct Look {
     pub shading: Vector2<f64>,
     /// Root mean square distance of the pixels from the profile.
     pub residual: f64,
+    /// The mean of the pixels inside.
+    pub level: f64,
 }
 
 /// One limb to refine.
@@ -173,7 +175,21 @@ impl<'a> Limb<'a> {
             background: self.background,
             shading: self.state.shading,
             residual: (squares / weight).sqrt(),
+            level: self.level_inside(),
         }
+    }
+
+    /// The mean of the pixels inside the line, as far as the window of a block reaches.
+    fn level_inside(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for Pixels { s, u, values, .. } in self.strip.runs() {
+            for ((s, u), value) in s.iter().zip(u).zip(values) {
+                if (0.0..INSIDE.get()).contains(&(u - self.state.line.at(*s))) {
+                    (sum, count) = (sum + value, count + 1.0);
+                }
+            }
+        }
+        sum / f64::max(count, 1.0)
     }
 
     /// Whether the line is farther than `reach` from where it is expected at either end.
