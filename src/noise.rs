@@ -68,6 +68,11 @@ pub fn constants() -> Vec<crate::constant::Constant> {
 /// pixels can hold, exp(−π² σ² / 2): more pixels show nothing more.
 const RESOLVED_BLUR: f64 = 0.7;
 
+/// A part of the longer side of an image, but no less than some pixels, beyond which no hint is taken to be off: limbs are looked for as
+/// far, pixel by pixel, and what is said to be worse tells next to nothing.
+const FARTHEST: f64 = 1.0 / 16.0;
+const FARTHEST_IN_SMALL: f64 = 8.0;
+
 /// The smallest pixel of a drawing, in pixels of the image: no screen shows a pixel of an image larger.
 const FINEST_PIXEL: f64 = 1.0 / 64.0;
 
@@ -172,7 +177,7 @@ impl NoiseModel {
         not_negative("depth_shared", self.depth_shared)
     }
 
-    /// The deviations in an image of some columns and rows. Nothing is farther off than the image is long, nor drawn on
+    /// The deviations in an image of some columns and rows. Nothing is farther off than a part of the image, nor drawn on
     /// a grid finer than a 64th of a pixel: what is looked at pixel by pixel ends.
     #[must_use]
     pub fn in_image(&self, (width, height): (usize, usize)) -> ImageNoise {
@@ -182,7 +187,8 @@ impl NoiseModel {
         } else {
             (width as f64 * height as f64 / DRAWN_PIXELS).sqrt().max(1.0)
         };
-        let in_pixels = |drawn: f64| (pixel * drawn).min(longest);
+        let farthest = (FARTHEST * longest).max(FARTHEST_IN_SMALL);
+        let in_pixels = |drawn: f64| (pixel * drawn).min(farthest);
         ImageNoise {
             pixel,
             endpoint: in_pixels(self.edge_endpoint),
@@ -328,12 +334,12 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_farther_off_than_the_image_is_long() {
+    fn nothing_is_farther_off_than_a_part_of_the_image() {
         let model = NoiseModel { drawn_pixel: 1e-300, mask_boundary: 1e9, ..NoiseModel::default() };
         assert_eq!(model.in_image((640, 480)).pixel, FINEST_PIXEL);
-        assert_eq!(model.in_image((640, 480)).boundary, 640.0);
+        assert_eq!(model.in_image((640, 480)).boundary, 40.0);
         let model = NoiseModel { drawn_pixel: 1e9, ..NoiseModel::default() };
         let noise = model.in_image((200, 480));
-        assert_eq!((noise.pixel, noise.boundary, noise.endpoint), (480.0, 384.0, 240.0));
+        assert_eq!((noise.pixel, noise.boundary, noise.endpoint), (480.0, 30.0, 30.0));
     }
 }

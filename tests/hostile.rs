@@ -8,9 +8,10 @@ mod random_views;
 
 use cylfuse::camera::{Distortion, Intrinsics};
 use cylfuse::error::Error;
-use cylfuse::fitter::{EdgeUse, FitResult, Fitter, Options};
+use cylfuse::fitter::{EdgeUse, FitResult, Fitter, Flags, Options};
 use cylfuse::geometry::{AxisCone, Cylinder, CylinderLimits};
-use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView};
+use cylfuse::noise::NoiseModel;
+use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView, PointsView};
 use frames::Inputs;
 use nalgebra::{Vector2, Vector3};
 use random_views::{Dice, View};
@@ -350,4 +351,45 @@ fn round(seed: u64) -> Result<(), Error> {
     f.evaluate(&fit.cylinder).unwrap();
     assert!(same(&fit, &f.fit().unwrap()), "{what}");
     Ok(())
+}
+
+/// Edges that are said to be off by far more than limbs are: the mask confirms them.
+#[test]
+fn edges_may_be_said_to_be_off_by_any_number_of_pixels() {
+    let inputs = sample("r40_a20_f0");
+    for edge_endpoint in [30.0, 1e3, 1e100] {
+        let mut fitter = whole(&inputs, true, true);
+        let noise = NoiseModel { edge_endpoint, ..NoiseModel::default() };
+        fitter.set_options(Options { noise, ..Options::default() }).unwrap();
+        let fit = fitter.fit().unwrap();
+        assert!((fit.cylinder.radius / 0.0378 - 1.0).abs() < 0.02, "{edge_endpoint}: {:?}", fit.cylinder);
+    }
+}
+
+/// Of a few pixels in whole millimetres most may lie on a cylinder to the last digit, which says nothing about their noise.
+#[test]
+fn a_few_pixels_of_coarse_depth_state_no_deviation_of_nothing() {
+    let dice = &mut Dice::new(7);
+    let (mut exact, mut fits) = (0, 0);
+    for _ in 0..60 {
+        let mut points = Vec::new();
+        for (x, y) in (0..16).map(|k| (f64::from(k % 4), f64::from(k / 4))) {
+            let [x, y] = [(x - 3.0) / 360.0, y / 360.0];
+            // A cylinder of radius 0.05 about an axis along y at 0.7, with noise of a millimetre, in whole ones.
+            let square = 1.0 + x * x;
+            let z = (0.7 - (0.49 - square * (0.49 - 0.0025)).sqrt()) / square;
+            let z = ((z + 0.002 * (dice.unit() - 0.5)) * 1000.0).round() / 1000.0;
+            points.push([x * z, y * z, z]);
+        }
+        let mut fitter = Fitter::new();
+        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        let Ok(fit) = fitter.fit() else { continue };
+        fits += 1;
+        let on_it = points.iter().filter(|p| fit.cylinder.distance(&(**p).into()).abs() < 1e-12).count();
+        exact += usize::from(on_it >= 8);
+        if on_it >= 8 && on_it < 14 {
+            assert!(fit.flags.contains(Flags::UNCERTAINTY_UNKNOWN), "{on_it} {:?}", fit.uncertainty);
+        }
+    }
+    assert!(exact > 5, "{exact} of {fits}");
 }

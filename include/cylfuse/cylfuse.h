@@ -502,12 +502,12 @@ typedef struct cylfuse_options {
     double image_noise;
     /**
      * Standard deviation of an endpoint of a given edge segment across its limb, in drawn pixels, 0 or greater. Default
-     * 0 = 0.5, that of edges set by hand.
+     * 0 = 0.5, that of edges set by hand. Beyond 8 pixels, more than a sixteenth of the longer side of the image counts as that.
      */
     double edge_noise;
     /**
      * Standard deviation of a side of the mask as a whole across its limb, in drawn pixels, 0 or greater. Default 0 =
-     * 1.6, that of masks drawn by hand.
+     * 1.6, that of masks drawn by hand; at most as `edge_noise`.
      */
     double mask_noise;
     /**

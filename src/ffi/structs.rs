@@ -279,10 +279,10 @@ pub struct cylfuse_options {
     /// 0 = from the image.
     pub image_noise: f64,
     /// Standard deviation of an endpoint of a given edge segment across its limb, in drawn pixels, 0 or greater. Default
-    /// 0 = 0.5, that of edges set by hand.
+    /// 0 = 0.5, that of edges set by hand. Beyond 8 pixels, more than a sixteenth of the longer side of the image counts as that.
     pub edge_noise: f64,
     /// Standard deviation of a side of the mask as a whole across its limb, in drawn pixels, 0 or greater. Default 0 =
-    /// 1.6, that of masks drawn by hand.
+    /// 1.6, that of masks drawn by hand; at most as `edge_noise`.
     pub mask_noise: f64,
     /// Blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 = from the image.
     pub image_blur: f64,

@@ -100,7 +100,8 @@ pub(super) fn describe(
     let resolution = clouds().map(PointCloud::resolution).fold(0.0, f64::max);
     let coarse = resolution > COARSE * cylinder.radius;
     // Where the noise is below the steps of the coordinates, what is left of the points is rounding, which is no noise.
-    let (uncertainty, radii, shift) = match coarse && resolution > scales.all {
+    let unknown = coarse && resolution > scales.all || data.is_exact_by_chance(cylinder, scales);
+    let (uncertainty, radii, shift) = match unknown {
         true => (None, None, None),
         false => data.uncertainty(held, &frame, scales, &objective),
     };

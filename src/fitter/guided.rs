@@ -308,7 +308,8 @@ impl<'a> View<'_, 'a, '_, '_> {
             // They move the fit by little: the next one holds to them.
             let fit = Attempt { guides: sides.with_segments(given), ..first? };
             let range = view.range_of_given(camera, fit.cylinder());
-            return Ok(fit.guided(range, agreement.total.clamp(by_hand, noise.limb_of_points)));
+            // What is stated of hand-set edges may be more than points are off.
+            return Ok(fit.guided(range, agreement.total.min(noise.limb_of_points).max(by_hand)));
         }
         let unconfirmed = |mut guided: Guided| {
             guided.views[0].unconfirmed = !given.is_empty();

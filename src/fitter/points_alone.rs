@@ -35,7 +35,7 @@ const CONTRADICTION: f64 = 18.2;
 /// Cylinders of one look that are fitted, at most: the body that is meant has many of the points.
 const MOST_OF_LOOK: usize = 3;
 
-/// Fewest points of a body.
+/// Fewer points tell neither bodies nor background.
 const FEWEST: usize = 50;
 
 /// One body among the points of a view.
@@ -52,7 +52,8 @@ impl Fitter {
     pub(super) fn fit_to_body(&self, first: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
         // Masks and detectors have told the background.
         let is_told = |view: &View| view.mask.is_some() || view.is_body;
-        if !self.options.is_robust() || self.views.iter().any(is_told) || first.0.held.has_lines() {
+        let is_told = self.views.iter().any(is_told) || first.0.held.has_lines();
+        if !self.options.is_robust() || is_told || first.1.points_used < FEWEST {
             return Ok(first);
         }
         let is_chosen = self.start.is_some() || self.options.start != StartKind::Auto;

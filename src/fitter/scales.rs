@@ -12,6 +12,9 @@ use crate::statistics::{DEVIATION_OF_MEDIAN, median_size, median_size_near};
 /// a tenth at best.
 const INFORMATION_TOLERANCE: f64 = 0.1;
 
+/// Of exact points at least this part lies on the cylinder: fewer may by chance.
+const EXACT: f64 = 0.9;
+
 /// The scales of the point residuals of a cylinder.
 #[derive(Debug, Clone)]
 pub(super) struct Scales {
@@ -63,6 +66,16 @@ impl Data<'_> {
     /// By the median absolute deviation. Exact data have no scale: the rounding floor avoids 0 / 0 in the loss.
     fn scale_of(&self, residuals: impl Iterator<Item = f64>) -> f64 {
         (DEVIATION_OF_MEDIAN * median_size(residuals)).max(self.rounding())
+    }
+
+    /// Whether most points lie on a cylinder to rounding, as exact ones do, but some beside it: depth in coarse steps, of which a few points
+    /// are alike, has no scale that says how it scatters.
+    pub fn is_exact_by_chance(&self, cylinder: &Cylinder, scales: &Scales) -> bool {
+        let of_view = |view: &ViewData<'_>| {
+            view.points_within(cylinder, &self.center, TUKEY_EFFICIENT * scales.all.max(self.rounding()))
+        };
+        let exact: usize = self.views.iter().map(of_view).sum();
+        scales.all <= self.rounding() && (exact as f64) < EXACT * self.count() as f64
     }
 
     /// What rounding leaves of the residuals of exact data.
