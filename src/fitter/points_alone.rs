@@ -14,6 +14,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::observations::{ENOUGH, PointsView, spread};
 use crate::residuals::TUKEY_EFFICIENT;
+use crate::statistics::median_size;
 use std::cell::RefCell;
 use std::time::Instant;
 
@@ -23,14 +24,24 @@ const ROUNDS_OF_SURFACE: usize = 5;
 /// How points scatter about a cylinder is known to some percent.
 const NO_WORSE: f64 = 1.05;
 
-/// Points may lie on more than one surface where this part of them is not on the cylinder.
-const ELSEWHERE: f64 = 0.05;
+/// Points may lie on more than one surface where this part of them is not on the cylinder,
+const ELSEWHERE: f64 = 0.1;
 
-/// The same where they scatter about it by this part of its radius.
-const WIDE: f64 = 0.05;
+/// or where they scatter about it by this part of its radius.
+const WIDE: f64 = 0.1;
 
 /// The points of a body contradict a cylinder that is so many squared standard deviations away: 3 of one number, for five.
 const CONTRADICTION: f64 = 18.2;
+
+/// They scatter about that by so many times what is left of them, in the median, at least.
+const FARTHER: f64 = 1.05;
+
+/// Where this part of the points is within `NEAR_FIRST` radii of the first cylinder, and the other part of those beyond a body within
+/// `NEAR_BODY` radii of that, all are one body that is no cylinder, such as an oval one.
+const OF_FIRST: f64 = 0.8;
+const NEAR_FIRST: f64 = 0.15;
+const BESIDE_BODY: f64 = 0.5;
+const NEAR_BODY: f64 = 0.25;
 
 /// Cylinders of one look that are fitted, at most: the body that is meant has many of the points.
 const MOST_OF_LOOK: usize = 3;
@@ -61,7 +72,12 @@ impl Fitter {
             [view] if !is_chosen && may_hold_more(view, &first) => {
                 let body = self.likely_body(view, run, clock)?;
                 match body.filter(|body| body.contradicts(&first, view)) {
-                    Some(body) => Ok(body.fit),
+                    Some(mut body) => {
+                        // Most points do not lie on it.
+                        let poor = body.part(view) < 0.5;
+                        body.fit.1.flags.set(Flags::POOR_FIT, poor);
+                        Ok(body.fit)
+                    }
                     None => self.fit_to_surface(first, run, clock),
                 }
             }
@@ -81,7 +97,7 @@ impl Fitter {
         let search = DetectionOptions { limits, min_score, ..default };
         let mut looks = Looks::default();
         let mut best: Option<Body> = None;
-        let worth = |body: &Body| body.score * body.points.len() as f64;
+        let worth = |body: &Body| body.score * body.part(view);
         loop {
             let asked = RefCell::new(&mut *run);
             let stopped = || asked.borrow_mut().report_again().is_break();
@@ -188,14 +204,39 @@ fn contradict((_, fit, _): &Fitted, (_, other, _): &Fitted) -> bool {
 }
 
 impl Body {
-    /// Whether its points contradict a first fit to all points of the view, and are more than those that lie on that alone.
+    /// Its points by weight, as a part of those of the view.
+    fn part(&self, view: &View) -> f64 {
+        let weight = |k: usize| view.cloud.weight(k);
+        let of_body: f64 = self.points.iter().map(|&k| weight(k)).sum();
+        of_body / (0..view.cloud.len()).map(weight).sum::<f64>()
+    }
+
+    /// Whether its points contradict a first fit to all points of the view, and those beyond it belong to something else.
     fn contradicts(&self, first: &Fitted, view: &View) -> bool {
-        let cylinder = view.pose().inverse().cylinder(&first.1.cylinder);
+        let into_view = view.pose().inverse();
+        let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
+        let scatter =
+            |of: &Cylinder| median_size(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
+        let is_beside =
+            contradict(&self.fit, first) && scatter(&first_cylinder) > FARTHER * scatter(&cylinder);
+        let mut beyond = List::filled(true, view.cloud.len());
+        self.points.iter().for_each(|&k| beyond[k] = false);
         let reach = TUKEY_EFFICIENT * self.fit.1.point_scale;
-        let mut alone = List::filled(true, view.cloud.len());
-        self.points.iter().for_each(|&k| alone[k] = false);
-        let on_first = |k: &usize| alone[*k] && cylinder.distance(&view.cloud.point(*k)).abs() <= reach;
-        contradict(&self.fit, first) && self.points.len() > (0..alone.len()).filter(on_first).count()
+        // All points near the first cylinder; those beyond the body, that are near it, that lie on the first cylinder.
+        let [mut all, mut of_first, mut others, mut of_body, mut on_first] = [0.0; 5];
+        for (k, point) in view.cloud.points().enumerate() {
+            let weight = view.cloud.weight(k);
+            let [from_first, from_body] =
+                [&first_cylinder, &cylinder].map(|cylinder| cylinder.distance(&point).abs());
+            let within = |is_within: bool| if is_within { weight } else { 0.0 };
+            all += weight;
+            of_first += within(from_first <= NEAR_FIRST * first_cylinder.radius);
+            others += within(beyond[k]);
+            of_body += within(beyond[k] && from_body <= NEAR_BODY * cylinder.radius);
+            on_first += within(beyond[k] && from_first <= reach);
+        }
+        let is_one = of_first >= OF_FIRST * all && of_body >= BESIDE_BODY * others;
+        is_beside && !is_one && all - others > on_first
     }
 }
 
