@@ -177,8 +177,8 @@ impl NoiseModel {
         not_negative("depth_shared", self.depth_shared)
     }
 
-    /// The deviations in an image of some columns and rows. Nothing is farther off than a part of the image, nor drawn on
-    /// a grid finer than a 64th of a pixel: what is looked at pixel by pixel ends.
+    /// The deviations in an image of some columns and rows. Nothing is farther off than the image is long, edges and sides
+    /// of a mask than a part of that, nor drawn on a grid finer than a 64th of a pixel: what is looked at pixel by pixel ends.
     #[must_use]
     pub fn in_image(&self, (width, height): (usize, usize)) -> ImageNoise {
         let longest = width.max(height).max(1) as f64;
@@ -187,12 +187,12 @@ impl NoiseModel {
         } else {
             (width as f64 * height as f64 / DRAWN_PIXELS).sqrt().max(1.0)
         };
+        let in_pixels = |drawn: f64| (pixel * drawn).min(longest);
         let farthest = (FARTHEST * longest).max(FARTHEST_IN_SMALL);
-        let in_pixels = |drawn: f64| (pixel * drawn).min(farthest);
         ImageNoise {
             pixel,
-            endpoint: in_pixels(self.edge_endpoint),
-            side: in_pixels(self.mask_side),
+            endpoint: in_pixels(self.edge_endpoint).min(farthest),
+            side: in_pixels(self.mask_side).min(farthest),
             unevenness: in_pixels(self.mask_unevenness),
             growth: in_pixels(self.mask_growth),
             boundary: in_pixels(self.mask_boundary),
@@ -334,12 +334,12 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_farther_off_than_a_part_of_the_image() {
+    fn nothing_is_farther_off_than_the_image_is_long() {
         let model = NoiseModel { drawn_pixel: 1e-300, mask_boundary: 1e9, ..NoiseModel::default() };
         assert_eq!(model.in_image((640, 480)).pixel, FINEST_PIXEL);
-        assert_eq!(model.in_image((640, 480)).boundary, 40.0);
+        assert_eq!(model.in_image((640, 480)).boundary, 640.0);
         let model = NoiseModel { drawn_pixel: 1e9, ..NoiseModel::default() };
         let noise = model.in_image((200, 480));
-        assert_eq!((noise.pixel, noise.boundary, noise.endpoint), (480.0, 30.0, 30.0));
+        assert_eq!((noise.pixel, noise.boundary, noise.endpoint), (480.0, 384.0, 30.0));
     }
 }

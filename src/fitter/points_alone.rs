@@ -25,7 +25,7 @@ const ROUNDS_OF_SURFACE: usize = 5;
 const NO_WORSE: f64 = 1.05;
 
 /// Points may lie on more than one surface where this part of them is not on the cylinder,
-const ELSEWHERE: f64 = 0.1;
+const ELSEWHERE: f64 = 0.05;
 
 /// or where they scatter about it by this part of its radius.
 const WIDE: f64 = 0.1;
