@@ -207,6 +207,19 @@ impl Camera {
         }
     }
 
+    /// Takes x and y of the rays with z = 1 of whole pixels of a row, by their places from one at a column and a row on. Says whether
+    /// all of them have one that is known already; else what was taken is of no use.
+    #[inline]
+    pub(crate) fn take_known_rays(
+        &self,
+        pixel: (usize, usize),
+        places: &[usize],
+        x: &mut [f64],
+        y: &mut [f64],
+    ) -> bool {
+        self.rays.as_ref().is_some_and(|rays| rays.take_known(pixel, places, x, y))
+    }
+
     /// The rays with z = 1 of whole pixels, each given by column and row, by their numbers x and y, which are not numbers for a
     /// pixel without a ray. Without a lens a plain loop, for those that run with vector instructions.
     #[inline(always)]

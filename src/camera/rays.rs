@@ -70,6 +70,40 @@ impl Rays {
         (bits[0] != NO_RAY).then(|| Vector3::new(x, y, 1.0))
     }
 
+    /// Takes the rays of some pixels of a row, by their places from one at a column and a row on, as their x and y. Says whether all of
+    /// them have one that is known; else what was taken is of no use.
+    #[inline]
+    pub(super) fn take_known(
+        &self,
+        (column, row): (usize, usize),
+        places: &[usize],
+        x: &mut [f64],
+        y: &mut [f64],
+    ) -> bool {
+        let Some(known) = self.side_by_side((column, row), places.last().map_or(0, |last| last + 1)) else {
+            return false;
+        };
+        let mut all = true;
+        for ((place, x), y) in places.iter().zip(x).zip(y) {
+            let [bits_of_x, bits_of_y] = known[*place].each_ref().map(|bits| bits.load(Ordering::Relaxed));
+            (*x, *y) = (f64::from_bits(bits_of_x), f64::from_bits(bits_of_y));
+            // Neither what is unknown nor what stands for no ray is a number.
+            all &= !(x.is_nan() | y.is_nan());
+        }
+        all
+    }
+
+    /// Where the rays of so many pixels of a row are remembered; `None` unless there is memory for them in a single block.
+    #[inline]
+    fn side_by_side(&self, (column, row): (usize, usize), count: usize) -> Option<&[Place]> {
+        if column + count > self.width || row >= self.height {
+            return None;
+        }
+        let index = row * self.width + column;
+        let (block, within) = (index >> self.shift, index & ((1 << self.shift) - 1));
+        self.blocks.get()?.get(block)?.get()?.get(within..within + count)
+    }
+
     /// Where the ray of a pixel is remembered. `None` outside the image, and where memory is missing.
     #[inline]
     fn place(&self, column: usize, row: usize) -> Option<&Place> {
@@ -179,6 +213,32 @@ mod tests {
         assert_eq!(known(&clone, 41, 30), UNKNOWN);
         assert_eq!(known(&camera.reduced(2), 40, 30), UNKNOWN);
         assert!(self::camera(Distortion::None).rays.is_none());
+    }
+
+    #[test]
+    fn rays_of_a_row_are_taken_where_all_are_known() {
+        let camera = folding();
+        let rays = camera.rays.as_ref().unwrap();
+        let take = |column, row, places: &[usize]| {
+            let (mut x, mut y) = ([0.0; 8], [0.0; 8]);
+            rays.take_known((column, row), places, &mut x, &mut y).then_some((x, y))
+        };
+        assert_eq!(take(50, 30, &[0, 2, 5]), None);
+        for column in [50, 52, 55] {
+            assert!(camera.ray_of_pixel(column, 30).is_some());
+        }
+        let (x, y) = take(50, 30, &[0, 2, 5]).unwrap();
+        for (k, column) in [50, 52, 55].into_iter().enumerate() {
+            let ray = camera.ray_of_pixel(column, 30).unwrap();
+            assert_eq!([x[k], y[k]], [ray.x, ray.y]);
+        }
+        assert_eq!(take(50, 30, &[0, 2, 3, 5]), None);
+        assert!(take(50, 30, &[]).is_some());
+        // Beyond the image, and where there is no ray.
+        assert_eq!(take(128, 30, &[0, 3]), None);
+        assert_eq!(take(50, 77, &[0]), None);
+        assert!(camera.ray_of_pixel(0, 0).is_none());
+        assert_eq!(take(0, 0, &[0]), None);
     }
 
     #[test]

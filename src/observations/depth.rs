@@ -376,21 +376,27 @@ impl<'a> BackProjection<'a> {
         batch.dropped.no_depth += run.no_depth;
         batch.dropped.out_of_range += run.out_of_range;
         let (places, depths) = run.usable();
-        match &self.rays {
-            Some((of_columns, of_rows)) if self.to_color.is_none() => {
-                let [x, y, z] = &mut batch.axes;
+        let (mut of_x, mut of_y) = ([0.0; RUN], [0.0; RUN]);
+        let known = match &self.rays {
+            _ if self.to_color.is_some() => false,
+            Some((of_columns, of_rows)) => {
                 let rays = &of_columns[columns.clone()];
-                let of_row = of_rows[row];
-                x.extend(places.iter().zip(depths).map(move |(k, depth)| rays[*k] * depth));
-                y.extend(depths.iter().map(move |depth| of_row * depth));
-                z.extend_from_slice(depths);
-                batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
+                of_x.iter_mut().zip(places).for_each(|(ray, k)| *ray = rays[*k]);
+                of_y = [of_rows[row]; RUN];
+                true
             }
-            _ => {
-                let measured = places.iter().zip(depths);
-                measured.for_each(|(k, depth)| self.add_point(batch, columns.start + k, row, *depth));
-            }
+            None => self.sensor.take_known_rays((columns.start, row), places, &mut of_x, &mut of_y),
+        };
+        if !known {
+            let measured = places.iter().zip(depths);
+            measured.for_each(|(k, depth)| self.add_point(batch, columns.start + k, row, *depth));
+            return;
         }
+        let [x, y, z] = &mut batch.axes;
+        x.extend(of_x.iter().zip(depths).map(|(ray, depth)| ray * depth));
+        y.extend(of_y.iter().zip(depths).map(|(ray, depth)| ray * depth));
+        z.extend_from_slice(depths);
+        batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
     }
 
     /// The point at a depth, unless the sensor has no ray there.
