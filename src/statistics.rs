@@ -58,17 +58,15 @@ pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
 
 /// The same of numbers whose upper median of the absolute values is about known. What is known changes nothing but the time.
 pub(crate) fn median_size_near(numbers: &[f64], near: f64) -> f64 {
-    let [first, last] = [1.0 - NEAR, 1.0 + NEAR].map(|part| (part * near).abs().to_bits());
-    let mut found = List::with_capacity(numbers.len() / 8);
-    let below = Arch::new().dispatch(BetweenSizes { numbers, first, last, found: &mut found });
-    match (numbers.len() / 2).checked_sub(below) {
-        Some(place) if place < found.len() => f64::from_bits(*found.select_nth_unstable(place).1),
-        _ => median_size(numbers.iter().copied()),
-    }
+    let median = median_size_between(beside(near), numbers.len(), |receive| receive(numbers));
+    median.unwrap_or_else(|| median_size(numbers.iter().copied()))
 }
 
-/// By which part a median may differ from what is known of it, so that it is found at once.
-const NEAR: f64 = 0.02;
+/// The bounds about a median that is about known, between which it is found at once.
+pub(crate) fn beside(near: f64) -> [f64; 2] {
+    const PART: f64 = 0.02;
+    [(1.0 - PART) * near, (1.0 + PART) * near]
+}
 
 /// Adds the bits of absolute values to a list that are not below a first nor above a last one, of which there are few, and counts
 /// those that are below. No closures: what is not inlined does without vector instructions.
@@ -148,34 +146,29 @@ pub(crate) fn independent_part(residuals: &[f64]) -> f64 {
     (squares - products) / (squares + products)
 }
 
-/// The upper median of the absolute values of many numbers that come in blocks, between whose bounds by a `sample` few are
-/// kept; `None` where the sample is no likeness of them.
-pub(crate) fn median_size_of_blocks(
-    count: usize,
-    sample: impl Iterator<Item = f64>,
-    blocks: impl FnOnce(&mut dyn FnMut(&[f64])),
-) -> Option<f64> {
+/// Between which absolute values the median of many numbers is that a `sample` is like; `None` for a small one.
+pub(crate) fn bounds_of_median_size(sample: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let mut sample: List<u64> = sample.map(|number| number.abs().to_bits()).collect();
     sample.sort_unstable();
     // Four standard deviations of the place of the median in the sample.
     let (middle, reach) = (sample.len() / 2, 2 * sample.len().isqrt() + 1);
-    let low = *sample.get(middle.checked_sub(reach)?)?;
-    let high = *sample.get(middle + reach)?;
-    let (mut below, mut at) = (0, 0);
-    let mut found = List::filled(0, count / sample.len() * 3 * reach);
-    blocks(&mut |block| {
-        if found.len() < at + block.len() {
-            found.resize(2 * at + block.len(), 0);
-        }
-        // Without branches, as below: what is not between the bounds is written over.
-        for number in block {
-            let size = number.abs().to_bits();
-            below += usize::from(size < low);
-            found[at] = size;
-            at += usize::from(size.wrapping_sub(low) <= high - low);
-        }
+    let [low, high] = [sample.get(middle.checked_sub(reach)?)?, sample.get(middle + reach)?];
+    Some([low, high].map(|bits| f64::from_bits(*bits)))
+}
+
+/// The upper median of the absolute values of so many numbers that come in blocks, of which those between two bounds are kept; `None`
+/// where it is not one of these.
+pub(crate) fn median_size_between(
+    bounds: [f64; 2],
+    count: usize,
+    blocks: impl FnOnce(&mut dyn FnMut(&[f64])),
+) -> Option<f64> {
+    let [first, last] = bounds.map(|bound| bound.abs().to_bits());
+    let mut found = List::with_capacity(count / 8);
+    let mut below = 0;
+    blocks(&mut |numbers| {
+        below += Arch::new().dispatch(BetweenSizes { numbers, first, last, found: &mut found });
     });
-    found.truncate(at);
     let place = (count / 2).checked_sub(below).filter(|&place| place < found.len())?;
     Some(f64::from_bits(nth(&mut found, place)))
 }

@@ -304,16 +304,21 @@ impl<'a> Data<'a> {
         self.views.iter().any(|view| view.observed)
     }
 
-    /// The points on the wall that their observers see, among those that have one.
-    pub fn walls(&self, cylinder: &Cylinder) -> Walls {
+    /// The points on the wall that their observers see, among those that have one, and E_P over all views.
+    pub fn walls_and_energy(&self, cylinder: &Cylinder) -> (Walls, f64) {
         let frame = self.frame(cylinder);
-        let mut all = Walls::default();
-        for view in self.views.iter().filter(|view| view.observed) {
-            let walls = view.points.visible_wall(&frame.moved(&view.into_view));
-            all.visible += walls.visible;
-            all.total += walls.total;
+        let views = || self.views.iter().filter(|view| view.points.count() > 0);
+        let total: f64 = views().map(|view| view.points.total_weight()).sum();
+        let (mut all, mut mean) = (Walls::default(), 0.0);
+        for view in views() {
+            let (walls, energy) = view.points.walls_and_energy(&frame.moved(&view.into_view));
+            mean += view.points.total_weight() / total * energy;
+            if view.observed {
+                all.visible += walls.visible;
+                all.total += walls.total;
+            }
         }
-        all
+        (all, mean)
     }
 
     /// Whether the observer of a view is inside a cylinder.
@@ -404,17 +409,16 @@ impl<'a> ViewData<'a> {
         };
         let size = view.camera().map_or((1, 1), Camera::size);
         let noise = options.noise.in_image(size);
+        let workers = (options.threads != 1).then(|| Workers::asked(options.threads));
+        let neighbours = view.neighbours(observed);
         let segments: &[EdgeSegment] = if fused { &view.segments } else { &[] };
         Self {
             index,
             view,
             into_view: view.pose().inverse(),
-            points: PointTerm::new(
-                &view.cloud,
-                (options.threads != 1).then(|| Workers::asked(options.threads)),
-            ),
+            points: PointTerm::new(&view.cloud, workers).with_part(neighbours.part()),
             stands_for: view.cloud.len(),
-            neighbours: view.neighbours(observed),
+            neighbours,
             edges: UsableEdges::new(view.camera(), segments, &noise),
             of_limbs: None,
             whole: false,

@@ -93,7 +93,8 @@ pub(super) fn describe(
     let squared = data.unit * data.unit;
     let eigenvalues = equations.hessian.symmetric_eigenvalues();
     let count = data.count();
-    let walls = data.near_wall().then(|| data.walls(cylinder));
+    let (walls, energy_points) = data.walls_and_energy(&frame.cylinder);
+    let walls = data.near_wall().then_some(walls);
     let clouds = || data.views.iter().map(|view| &view.view.cloud);
     let mut dropped = Dropped::default();
     clouds().for_each(|cloud| dropped.add(cloud.dropped()));
@@ -129,7 +130,6 @@ pub(super) fn describe(
     if taper.is_some_and(Taper::is_wrong) {
         flags |= Flags::BODY_TAPERS;
     }
-    let energy_points = energy_of_points(data, &frame);
     let smallest = eigenvalues.min().max(0.0);
     let gradient_norm = data.options.cylinder_limits.free_gradient(&frame, &equations.gradient).norm();
     if !gradient_norm.is_finite() {
@@ -257,16 +257,6 @@ fn largest_scale(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
     let of_distance = distances.map(|distance| LARGEST_DEPTH_NOISE * distance).reduce(f64::max);
     let told = TOLD_DEVIATIONS * data.options.noise.depth;
     of_distance.unwrap_or(POOR_PART * cylinder.radius).max(told)
-}
-
-/// E_P over all views.
-fn energy_of_points(data: &Data<'_>, frame: &LocalFrame) -> f64 {
-    let views = || data.views.iter().filter(|view| view.points.count() > 0);
-    let total: f64 = views().map(|view| view.points.total_weight()).sum();
-    let energy = |view: &data::ViewData<'_>| {
-        view.points.total_weight() / total * view.points.energy(&frame.moved(&view.into_view))
-    };
-    views().map(energy).sum()
 }
 
 /// E_L over the views with two usable segments that count.

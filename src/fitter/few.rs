@@ -8,7 +8,7 @@ use crate::geometry::LocalFrame;
 use crate::memory::List;
 use crate::observations::{ENOUGH, PointCloud, are_many};
 use crate::residuals::PointTerm;
-use crate::statistics::{at_places, median_size, median_size_of_blocks};
+use crate::statistics::{at_places, beside, bounds_of_median_size, median_size, median_size_between};
 use nalgebra::Vector3;
 
 /// Fewest rows of neighbours in a band, of as many as there are in a square: correlation is looked for over a third of them.
@@ -20,7 +20,9 @@ const SAMPLE: usize = 4096;
 /// Points whose noise tells how neighbours are correlated, with their grid.
 #[derive(Debug, Clone)]
 pub(super) struct Neighbours {
-    /// Some of very many points, all within one band; `None` for all.
+    /// Some of very many points, spread over all; `None` for all.
+    part: Option<PointCloud>,
+    /// The same, all within one band.
     band: Option<PointCloud>,
     /// `None` where it is that of a surface, or there is none.
     lattice: Option<Lattice>,
@@ -28,9 +30,15 @@ pub(super) struct Neighbours {
 
 impl Neighbours {
     pub fn new(cloud: &PointCloud, observed: bool) -> Self {
-        let band = are_many(cloud.len()).then(|| middle_band(cloud));
+        let part = are_many(cloud.len()).then(|| cloud.spread(ENOUGH));
+        let band = part.as_ref().map(|part| middle_band(cloud, part));
         let lattice = Lattice::of_cloud(band.as_ref().unwrap_or(cloud), observed);
-        Self { band, lattice }
+        Self { part, band, lattice }
+    }
+
+    /// The points that are spread over all, where there are very many.
+    pub fn part(&self) -> Option<&PointCloud> {
+        self.part.as_ref()
     }
 
     /// The points of a view whose residuals tell it.
@@ -62,19 +70,25 @@ impl Neighbours {
     }
 }
 
-/// The upper median of the distances of many points of a view from a surface, in the frame of the view.
-pub(super) fn median_distance(view: &ViewData<'_>, frame: &LocalFrame) -> f64 {
+/// The upper median of the distances of many points of a view from a surface, in the frame of the view, which may be about
+/// known: that changes nothing but the time.
+pub(super) fn median_distance(view: &ViewData<'_>, frame: &LocalFrame, near: Option<f64>) -> f64 {
     let cloud = &view.view.cloud;
-    let sample = cloud.spread(SAMPLE);
-    let of_sample = PointTerm::new(&sample, None).distances(frame);
-    let blocks = |receive: &mut dyn FnMut(&[f64])| view.points.distances_by_blocks(frame, receive);
-    median_size_of_blocks(cloud.len(), of_sample.into_iter(), blocks)
+    let between = |bounds| {
+        let blocks = |receive: &mut dyn FnMut(&[f64])| view.points.distances_by_blocks(frame, receive);
+        median_size_between(bounds, cloud.len(), blocks)
+    };
+    let by_sample = || {
+        let sample = cloud.spread(SAMPLE);
+        bounds_of_median_size(PointTerm::new(&sample, None).distances(frame).into_iter()).and_then(between)
+    };
+    near.and_then(|near| between(beside(near)))
+        .or_else(by_sample)
         .unwrap_or_else(|| median_size(view.points.distances(frame).into_iter()))
 }
 
-/// The points in the middle of the length of a cloud: neighbours stay neighbours, and all of an arc takes part.
-fn middle_band(cloud: &PointCloud) -> PointCloud {
-    let sample = cloud.spread(ENOUGH);
+/// The points in the middle of the length of a cloud, by a sample: neighbours stay neighbours, and all of an arc takes part.
+fn middle_band(cloud: &PointCloud, sample: &PointCloud) -> PointCloud {
     let (_, covariance) = sample.mean_and_covariance().unwrap_or_default();
     let spreads = covariance.symmetric_eigen();
     let length: Vector3<f64> = spreads.eigenvectors.column(spreads.eigenvalues.imax()).into();
@@ -85,7 +99,7 @@ fn middle_band(cloud: &PointCloud) -> PointCloud {
     let places = [0.5 - 0.5 * part, 0.5 + 0.5 * part].map(|place| (place * last).round() as usize);
     let band = cloud.between(&length, at_places(sample.points().map(along), places));
     // Where coordinates are so large that their squares overflow there is no band.
-    if band.is_empty() { sample } else { band }
+    if band.is_empty() { sample.clone() } else { band }
 }
 
 impl Data<'_> {
@@ -170,7 +184,7 @@ mod tests {
         let points = grid(&truth(), 1e-3);
         let fitter = fitter(&points);
         let cloud = fitter.cloud();
-        let band = middle_band(cloud);
+        let band = middle_band(cloud, &cloud.spread(ENOUGH));
         assert!((ENOUGH..2 * ENOUGH).contains(&band.len()), "{}", band.len());
         let mean = band.points().sum::<Vector3<f64>>() / band.len() as f64;
         assert!((mean.y - 0.02).abs() < 1e-3, "{mean}");
@@ -217,7 +231,9 @@ mod tests {
         let frame = LocalFrame::new(&moved, &moved.axis.point, 1.0);
         let distances = data.views[0].points.distances(&frame);
         let limit = median_size(distances.iter().copied());
-        assert_eq!(median_distance(&data.views[0], &frame), limit);
+        for near in [None, Some(limit), Some(0.99 * limit), Some(1.1 * limit), Some(0.0), Some(f64::NAN)] {
+            assert_eq!(median_distance(&data.views[0], &frame, near), limit);
+        }
         let within = distances.iter().filter(|distance| distance.abs() <= limit).count();
         assert_eq!(data.views[0].points.count_within(&frame, limit), within);
     }

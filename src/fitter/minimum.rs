@@ -55,7 +55,8 @@ impl Data<'_> {
         let mut solve = |start: &Cylinder| -> Result<(Minimum, f64)> {
             let minimum = self.minimise(held, start, precision, run)?;
             self.check_radius(minimum.cylinder())?;
-            let fraction = if near_wall { self.walls(minimum.cylinder()).fraction() } else { 1.0 };
+            let fraction =
+                if near_wall { self.walls_and_energy(minimum.cylinder()).0.fraction() } else { 1.0 };
             Ok((minimum, fraction))
         };
         let (first, fraction) = match solve(start) {

@@ -23,6 +23,10 @@ const SCALE_TOLERANCE: f64 = 1e-4;
 const ROUGH_TOLERANCE: f64 = 1e-2;
 const ROUGH_COST_TOLERANCE: f64 = 1e-5;
 
+/// The part by which the cost changes in a step that is taken without a look from next to a minimum, where others follow with
+/// scales that are nearer: some times what a part of very many points leaves, and far below what makes a step uncertain.
+const NEAR_COST_TOLERANCE: f64 = 1e-3;
+
 /// Damping of the first step from next to a minimum that is wanted in full: far below the curvature along what the data
 /// tell least, so that it shortens no step. With the damping of a start an iteration creeps until that has fallen. On the
 /// way to a minimum that is as well: along what nothing tells yet the cylinder should stay.
@@ -40,6 +44,8 @@ const MOST_SHARED: f64 = 10.0;
 pub(super) enum Precision {
     /// On the way: what is located in the image from there moves it again.
     Rough,
+    /// By one step, from next to it.
+    Near,
     /// To the tolerances of the options.
     Full,
 }
@@ -78,7 +84,7 @@ impl Precision {
     fn scale_tolerance(self) -> f64 {
         match self {
             Precision::Rough => ROUGH_TOLERANCE,
-            Precision::Full => SCALE_TOLERANCE,
+            Precision::Near | Precision::Full => SCALE_TOLERANCE,
         }
     }
 }
@@ -115,8 +121,9 @@ impl Data<'_> {
 
     /// Ends, with all points, what a part of them has begun.
     pub fn minimise_with_all(&self, held: &Held, of_few: &Minimum, run: &mut Run<'_>) -> Result<Minimum> {
-        let scales = self.scales(of_few.cylinder());
-        let mut minimum = self.minimise_robust(held, of_few.cylinder(), scales, [Precision::Full; 2], run)?;
+        let scales = self.scales_near(of_few.cylinder(), Some(&of_few.scales));
+        let precisions = [Precision::Near, Precision::Full];
+        let mut minimum = self.minimise_robust(held, of_few.cylinder(), scales, precisions, run)?;
         self.check_radius(minimum.cylinder())?;
         minimum.convergence.add_work_of(&of_few.convergence);
         Ok(minimum)
@@ -341,9 +348,12 @@ impl Data<'_> {
         // The rounds share the solves: where the scale alternates each could take all of them.
         let solves = before.map_or(0, |before| before.iterations);
         limits.max_iterations = run.most_solves(self, current).saturating_sub(solves);
-        if current == Precision::Rough {
-            limits.cost_tolerance = limits.cost_tolerance.max(ROUGH_COST_TOLERANCE);
-        }
+        let least = match current {
+            Precision::Rough => ROUGH_COST_TOLERANCE,
+            Precision::Near => NEAR_COST_TOLERANCE,
+            Precision::Full => 0.0,
+        };
+        limits.cost_tolerance = limits.cost_tolerance.max(least);
         if wanted == Precision::Full && self.is_robust() {
             limits.initial_lambda = before.map_or(LAMBDA_NEAR_MINIMUM, |before| before.lambda);
         }

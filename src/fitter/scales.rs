@@ -95,9 +95,23 @@ impl Data<'_> {
         self.views.iter().zip(&scales.views).map(of_view).sum()
     }
 
+    /// Whether there are at least so many of them.
+    pub fn has_independent_inliers(&self, cylinder: &Cylinder, scales: &Scales, least: f64) -> bool {
+        // Half of the points are no farther from the surface than their median, which scales are of unless they were told.
+        let by_median = self.options.noise.depth == 0.0;
+        let with_points = self.views.iter().zip(&scales.views).filter(|(view, _)| view.points.count() > 0);
+        let half = 0.5 * with_points.map(|(_, scales)| scales.independent_points).sum::<f64>();
+        by_median && half >= least || self.independent_inliers(cylinder, scales) >= least
+    }
+
     /// The scales of a cylinder.
     pub fn scales(&self, cylinder: &Cylinder) -> Scales {
-        self.scales_of(cylinder, &self.residuals(cylinder, None))
+        self.scales_near(cylinder, None)
+    }
+
+    /// The same where they are about known: that changes nothing but the time.
+    pub fn scales_near(&self, cylinder: &Cylinder, about: Option<&Scales>) -> Scales {
+        self.scales_of(cylinder, &self.residuals(cylinder, about))
     }
 
     /// The same where the residuals are known.
@@ -119,7 +133,9 @@ impl Data<'_> {
         {
             // Without a list of them: the neighbours have one of their own.
             let frame = LocalFrame { unit: 1.0, ..self.frame(cylinder) }.moved(&view.into_view);
-            let all = (DEVIATION_OF_MEDIAN * few::median_distance(view, &frame)).max(self.rounding());
+            let near = before.map(|before| before.all / DEVIATION_OF_MEDIAN);
+            let median = few::median_distance(view, &frame, near);
+            let all = (DEVIATION_OF_MEDIAN * median).max(self.rounding());
             let point = if told > 0.0 { told } else { all };
             return Residuals { views: List::from([List::new()]), points: List::from([point]), all };
         }

@@ -79,7 +79,7 @@ impl Data<'_> {
     /// Whether the residuals about a cylinder tell the noise.
     fn tells_noise(&self, cylinder: &Cylinder, scales: &Scales) -> bool {
         let minimises = self.count() > 0 && self.options.method.minimises();
-        minimises && self.independent_inliers(cylinder, scales) >= LEAST_INDEPENDENT
+        minimises && self.has_independent_inliers(cylinder, scales, LEAST_INDEPENDENT)
     }
 
     /// What the data contradict of what the limits fix: the minimum with everything free lies, to first order, farther from the

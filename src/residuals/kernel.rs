@@ -4,9 +4,12 @@
 //! multiplications and additions are never fused: every machine gets the same bits. The mathematics stands here once,
 //! for one point ([`Scalar`](pulp::Scalar)) and for as many as an instruction takes.
 
+mod influences;
+
 use super::loss::{Influence, Loss, Wall};
-use crate::geometry::{LocalFrame, Tangent, TangentMap};
+use crate::geometry::LocalFrame;
 use crate::memory::List;
+pub(super) use influences::Influences;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use pulp::{Arch, Scalar, Simd, WithSimd};
 use std::ops::Range;
@@ -54,7 +57,7 @@ impl<L: Loss> Terms<SUMS> for Whole<L> {
         notes: &mut Notes<S::f64s>,
     ) -> [S::f64s; SUMS] {
         let zero = simd.splat_f64s(0.0);
-        let (mut losses, mut gradient, mut products) = ([zero; 3], [zero; 9], [zero; 9]);
+        let (mut losses, mut gradient) = ([zero; 3], [zero; 9]);
         for group in groups.range() {
             let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
             let Influence { loss, weight: factor, slope } = self.0.influences(simd, e, facing);
@@ -70,37 +73,40 @@ impl<L: Loss> Terms<SUMS> for Whole<L> {
             add(simd, &mut gradient, [*we, ea, eb, eah, ebh, wa, wb, wah, wbh]);
             (*w, *we) = (wa, wb);
         }
-        for [wa, wb, a, b, h] in notes.iter().take(groups.count) {
-            let (aa, ab, bb) = (simd.mul_f64s(*wa, *a), simd.mul_f64s(*wa, *b), simd.mul_f64s(*wb, *b));
-            let (aah, abh, bbh) = (simd.mul_f64s(aa, *h), simd.mul_f64s(ab, *h), simd.mul_f64s(bb, *h));
-            let (aahh, abhh) = (simd.mul_f64s(aah, *h), simd.mul_f64s(abh, *h));
-            add(simd, &mut products, [aa, ab, bb, aah, abh, bbh, aahh, abhh, simd.mul_f64s(bbh, *h)]);
-        }
         let mut sums = [zero; SUMS];
         sums[..3].copy_from_slice(&losses);
         sums[3..12].copy_from_slice(&gradient);
-        sums[12..].copy_from_slice(&products);
+        sums[12..].copy_from_slice(&products(simd, notes, groups.count));
         sums
     }
 }
 
 #[inline(always)]
+#[allow(clippy::needless_range_loop, reason = "iterators over arrays are not inlined in every build")]
 fn add<S: Simd, const N: usize>(simd: S, sums: &mut [S::f64s; N], terms: [S::f64s; N]) {
-    for (sum, term) in sums.iter_mut().zip(terms) {
-        *sum = simd.add_f64s(*sum, term);
+    for k in 0..N {
+        sums[k] = simd.add_f64s(sums[k], terms[k]);
     }
 }
 
-/// The number of points of a kind.
-#[derive(Clone, Copy)]
-pub(super) enum Count {
-    /// Those on the side of the surface that the observer sees from outside.
-    Facing,
-    /// Those at most so far from the surface.
-    Within(f64),
+/// The last round of sums: products with two or more of a, b and h, of notes with w a and w b.
+#[inline(always)]
+fn products<S: Simd>(simd: S, notes: &Notes<S::f64s>, count: usize) -> [S::f64s; 9] {
+    let mut products = [simd.splat_f64s(0.0); 9];
+    for [wa, wb, a, b, h] in notes.iter().take(count) {
+        let (aa, ab, bb) = (simd.mul_f64s(*wa, *a), simd.mul_f64s(*wa, *b), simd.mul_f64s(*wb, *b));
+        let (aah, abh, bbh) = (simd.mul_f64s(aa, *h), simd.mul_f64s(ab, *h), simd.mul_f64s(bb, *h));
+        let (aahh, abhh) = (simd.mul_f64s(aah, *h), simd.mul_f64s(abh, *h));
+        add(simd, &mut products, [aa, ab, bb, aah, abh, bbh, aahh, abhh, simd.mul_f64s(bbh, *h)]);
+    }
+    products
 }
 
-impl Terms<1> for Count {
+/// The number of points at most so far from the surface.
+#[derive(Clone, Copy)]
+pub(super) struct Within(pub f64);
+
+impl Terms<1> for Within {
     #[inline(always)]
     fn sums<S: Simd>(
         &self,
@@ -109,22 +115,46 @@ impl Terms<1> for Count {
         groups: &Groups<'_>,
         _: &mut Notes<S::f64s>,
     ) -> [S::f64s; 1] {
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        let mut sums = [zero];
+        let mut sums = [simd.splat_f64s(0.0)];
         for group in groups.range() {
-            let (place, e, weight) = groups.at(simd, kernel, group);
-            // What fills up a block has no weight.
-            let counted = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
-            let is_one = match self {
-                Self::Facing => simd.less_than_f64s(place.facing, zero),
-                Self::Within(limit) => {
-                    simd.less_than_or_equal_f64s(simd.abs_f64s(e), simd.splat_f64s(*limit))
-                }
-            };
-            add(simd, &mut sums, [simd.select_f64s(is_one, counted, zero)]);
+            let (_, e, weight) = groups.at(simd, kernel, group);
+            let within = simd.less_than_or_equal_f64s(simd.abs_f64s(e), simd.splat_f64s(self.0));
+            add(simd, &mut sums, [counted(simd, within, weight)]);
         }
         sums
     }
+}
+
+/// The number of points on the side of the surface that the observer sees from outside, and the squares of the residuals.
+#[derive(Clone, Copy)]
+pub(super) struct FacingAndSquares;
+
+impl Terms<2> for FacingAndSquares {
+    #[inline(always)]
+    fn sums<S: Simd>(
+        &self,
+        simd: S,
+        kernel: &Kernel,
+        groups: &Groups<'_>,
+        _: &mut Notes<S::f64s>,
+    ) -> [S::f64s; 2] {
+        let mut sums = [simd.splat_f64s(0.0); 2];
+        for group in groups.range() {
+            let (place, e, weight) = groups.at(simd, kernel, group);
+            let facing = simd.less_than_f64s(place.facing, simd.splat_f64s(0.0));
+            let square = simd.mul_f64s(weight, simd.mul_f64s(e, e));
+            add(simd, &mut sums, [counted(simd, facing, weight), square]);
+        }
+        sums
+    }
+}
+
+/// One where something is so of a point, else 0. What fills up a block has no weight.
+#[inline(always)]
+fn counted<S: Simd>(simd: S, is_so: S::m64s, weight: S::f64s) -> S::f64s {
+    let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+    let point = simd.select_f64s(simd.greater_than_f64s(weight, zero), one, zero);
+    simd.select_f64s(is_so, point, zero)
 }
 
 impl<L: Loss> Terms<1> for CostAlone<L> {
@@ -141,73 +171,6 @@ impl<L: Loss> Terms<1> for CostAlone<L> {
             let (place, e, weight) = groups.at(simd, kernel, group);
             let Influence { loss, .. } = self.0.influences(simd, e, place.facing);
             add(simd, &mut sums, [simd.mul_f64s(weight, loss)]);
-        }
-        sums
-    }
-}
-
-/// Distinct sums of [`Influences`].
-pub(super) const INFLUENCES: usize = 18;
-
-/// What the covariance of a minimum needs of every point with its Jacobian J and weight w.
-#[derive(Clone, Copy)]
-pub(super) struct Influences<'a, L> {
-    pub loss: L,
-    /// What the weights of the points are multiplied by.
-    pub part: f64,
-    /// The step to the minimum of the points, which takes a part of the residuals away.
-    pub to_minimum: &'a Tangent,
-    /// The leverage of a point is w Jᵀ L J with this matrix L, at most
-    pub leverages: &'a TangentMap,
-    /// this.
-    pub largest_leverage: f64,
-}
-
-impl<L: Loss> Terms<INFLUENCES> for Influences<'_, L> {
-    /// Weights, slopes of the influence, their squares, and the upper half of influence times influence.
-    #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "i and k are rows and columns")]
-    fn sums<S: Simd>(
-        &self,
-        simd: S,
-        kernel: &Kernel,
-        groups: &Groups<'_>,
-        _: &mut Notes<S::f64s>,
-    ) -> [S::f64s; INFLUENCES] {
-        let mut sums = [simd.splat_f64s(0.0); INFLUENCES];
-        for group in groups.range() {
-            let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
-            let jacobian = [a, b, simd.mul_f64s(h, a), simd.mul_f64s(h, b), simd.splat_f64s(1.0)];
-            let part = simd.mul_f64s(weight, simd.splat_f64s(self.part));
-            let Influence { weight, slope, .. } = self.loss.influences(simd, e, facing);
-            let w = simd.mul_f64s(part, weight);
-            let part_slope = simd.mul_f64s(part, slope);
-            // J is the negative of these five: that matters for the noise alone.
-            let (mut leverage, mut noise) = (simd.splat_f64s(0.0), e);
-            for i in 0..5 {
-                let mut row = simd.mul_f64s(simd.splat_f64s(self.leverages[(i, i)]), jacobian[i]);
-                for k in i + 1..5 {
-                    let twice = simd.splat_f64s(2.0 * self.leverages[(i, k)]);
-                    row = simd.add_f64s(row, simd.mul_f64s(twice, jacobian[k]));
-                }
-                leverage = simd.add_f64s(leverage, simd.mul_f64s(row, jacobian[i]));
-                noise = simd.sub_f64s(noise, simd.mul_f64s(simd.splat_f64s(self.to_minimum[i]), jacobian[i]));
-            }
-            let leverage = simd.min_f64s(simd.mul_f64s(w, leverage), simd.splat_f64s(self.largest_leverage));
-            let noise = simd.div_f64s(noise, simd.sub_f64s(simd.splat_f64s(1.0), leverage));
-            let factor = simd.mul_f64s(w, noise);
-            let terms = [w, part_slope, simd.mul_f64s(part_slope, slope)];
-            for k in 0..3 {
-                sums[k] = simd.add_f64s(sums[k], terms[k]);
-            }
-            let mut next = 3;
-            for i in 0..5 {
-                let influence = simd.mul_f64s(simd.mul_f64s(factor, factor), jacobian[i]);
-                for k in i..5 {
-                    sums[next] = simd.add_f64s(sums[next], simd.mul_f64s(influence, jacobian[k]));
-                    next += 1;
-                }
-            }
         }
         sums
     }

@@ -53,6 +53,10 @@ pub struct Truncated {
     pub wall: Wall,
 }
 
+/// Another loss with its slopes in place of its weights.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct BySlopes<L>(pub L);
+
 /// On which wall of the cylinder a point can be. Depths that a sensor smears past the limbs lie on the wall that
 /// it cannot see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,6 +116,14 @@ impl Loss for Tukey {
             weight,
             slope: simd.mul_f64s(rest, simd.sub_f64s(one, simd.mul_f64s(simd.splat_f64s(5.0), square))),
         }
+    }
+}
+
+impl<L: Loss> Loss for BySlopes<L> {
+    #[inline(always)]
+    fn influences<S: Simd>(&self, simd: S, residuals: S::f64s, facing: S::f64s) -> Influence<S::f64s> {
+        let influence = self.0.influences(simd, residuals, facing);
+        Influence { weight: influence.slope, ..influence }
     }
 }
 

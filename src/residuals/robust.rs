@@ -9,7 +9,7 @@
 use super::arcs::ArcTerm;
 use super::pixel_terms::{InPixels, PixelResiduals, PixelScale};
 use super::pixels::PixelTerm;
-use super::point_terms::{Points, Robust};
+use super::point_terms::{LossInFrame, Points, Robust};
 use super::points::PointTerm;
 use super::shared::{Known, SharedErrors, SharingPoints};
 use super::terms::{AnyTerm, Sum, Summand};
@@ -70,6 +70,7 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
         let in_pixels = |residuals: &'a dyn PixelResiduals| AnyTerm::Pixels(InPixels { residuals, scale });
         if points.count() > 0 {
             let loss = Robust { scale: scales.point, observed };
+            let points = points.with_curvature(&near, loss.at(&near));
             let RobustScales { independent_points, .. } = scales;
             let points = Points::new(points, loss, independent_points);
             let variance = information(view).recip();

@@ -14,7 +14,6 @@ use super::terms::{Row, Source, Term};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap};
 use crate::noise::{SHARED_ACROSS, SHARED_RANGE, SHARED_SPREADS};
-use crate::observations::{ENOUGH, are_many};
 use nalgebra::Vector3;
 use std::cell::Cell;
 
@@ -164,9 +163,8 @@ impl<'a, L: LossInFrame> SharingPoints<'a, L> {
             Some(last) => last,
             None => {
                 // Of very many a part tells it: the steps that follow are those of all.
-                let of_all = points.points;
-                let part = are_many(of_all.count()).then(|| of_all.cloud().spread(ENOUGH));
-                let of_part = part.as_ref().map_or(of_all, |part| of_all.of(part));
+                let part = points.points.part();
+                let of_part = part.unwrap_or(points.points);
                 let equations = of_part.linearise(near, points.loss.at(near));
                 let hessian = &equations.hessian;
                 let shift =

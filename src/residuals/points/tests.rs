@@ -1,4 +1,4 @@
-use super::super::loss::{Truncated, Tukey, Wall};
+use super::super::loss::{Squared, Truncated, Tukey, Wall};
 use super::*;
 use crate::geometry::Cylinder;
 use crate::observations::PointsView;
@@ -64,7 +64,9 @@ fn the_points_on_the_visible_wall_are_those_that_the_cylinder_counts() {
     let mut cloud = PointCloud::default();
     cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
     for frame in [frame, around] {
-        let walls = PointTerm::new(&cloud, None).visible_wall(&frame);
+        let (walls, energy) = PointTerm::new(&cloud, None).walls_and_energy(&frame);
+        let cost = PointTerm::new(&cloud, None).cost(&frame, Squared);
+        assert_eq!(energy, cost * frame.unit * frame.unit);
         assert_eq!(walls, frame.cylinder.visible_wall(cloud.points()));
         assert!(walls.visible > 500 && walls.visible < walls.total, "{walls:?}");
     }
@@ -170,4 +172,37 @@ fn the_covariance_is_that_of_single_points() {
         let derivative = hessian * (slopes / weights);
         assert!((found.derivative - derivative).norm() < 1e-10 * derivative.norm());
     }
+}
+
+#[test]
+fn a_part_of_points_tells_their_curvature() {
+    // Far less noise on one side of the cylinder than on the other.
+    let (_, frame) = scene(0);
+    let LocalFrame { cylinder, u, v, .. } = frame;
+    let point = |k: usize| {
+        let t = k as f64;
+        let angle = 1.3 * (t * 0.37).sin();
+        let noise = 0.0009 * (1.1 + (t * 0.37).sin()) * (t * 1.9).sin();
+        let across = (u * angle.sin() + v * angle.cos()) * (cylinder.radius + noise);
+        (cylinder.axis.point + across + cylinder.axis.direction * (0.1 * (t * 0.11).cos())).into()
+    };
+    let points: Vec<[f64; 3]> = (0..5_000).map(point).collect();
+    let mut cloud = PointCloud::default();
+    cloud.push_points(&PointsView::from_f64(&points), None).unwrap();
+    let loss = Tukey { cutoff: 0.08, wall: Wall::Either };
+    let plain = PointTerm::new(&cloud, None);
+    // Nothing but what is left out is tested: how like all of them a part is belongs to its points.
+    let told = plain.with_part(Some(&cloud)).with_curvature(&frame, loss);
+    let gradient = |k, step: f64| {
+        let ahead = frame.retract(&Tangent::ith(k, step));
+        plain.linearise(&LocalFrame::new(&ahead, &Vector3::new(0.1, -0.1, 0.8), frame.unit), loss).gradient
+    };
+    let columns: [Tangent; 5] = std::array::from_fn(|k| (gradient(k, 1e-6) - gradient(k, -1e-6)) / 2e-6);
+    let exact = TangentMap::from_columns(&columns);
+    let [by_mean, by_part] =
+        [plain, told].map(|term| (term.linearise(&frame, loss).curvature - exact).norm() / exact.norm());
+    assert!(by_part < 1e-3 && by_mean > 0.05, "{by_part} {by_mean}");
+    // Nothing else changes.
+    let [plain, told] = [plain, told].map(|term| term.linearise(&frame, loss));
+    assert_eq!(NormalEquations { curvature: plain.curvature, ..told }, plain);
 }
