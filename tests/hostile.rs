@@ -387,7 +387,7 @@ fn a_few_pixels_of_coarse_depth_state_no_deviation_of_nothing() {
         fits += 1;
         let on_it = points.iter().filter(|p| fit.cylinder.distance(&(**p).into()).abs() < 1e-12).count();
         exact += usize::from(on_it >= 8);
-        if on_it >= 8 && on_it < 14 {
+        if (8..14).contains(&on_it) {
             assert!(fit.flags.contains(Flags::UNCERTAINTY_UNKNOWN), "{on_it} {:?}", fit.uncertainty);
         }
     }
