@@ -61,10 +61,20 @@ fn holds_another(view: &ViewData<'_>, cylinder: &Cylinder, reach: f64, noise: &N
     let pixels = mask.set_pixels_of_grid(stride).filter(is_inner);
     let mut all = 0;
     let mut others: List<Vector3<f64>> = List::new();
-    for (ray, z) in pixels.filter_map(|(x, y)| camera.ray_of_pixel(x, y).zip(depth(x, y))) {
+    let point_at = |x: usize, y: usize| Some(camera.ray_of_pixel(x, y)? * depth(x, y)?);
+    let is_outside = |point: &Vector3<f64>| cylinder.distance(point) > reach;
+    // Where a body is most of the neighbours lie on it, too; those of an outlying depth do not.
+    let has_company = |x: usize, y: usize| {
+        let beside = (x.saturating_sub(1)..=x + 1)
+            .flat_map(|x| (y.saturating_sub(1)..=y + 1).map(move |y| (x, y)))
+            .filter(|&at| at != (x, y));
+        let count = |(outside, all), point| (outside + usize::from(is_outside(&point)), all + 1);
+        let (outside, all) = beside.filter_map(|(x, y)| point_at(x, y)).fold((0, 0), count);
+        2 * outside >= all
+    };
+    for (x, y, point) in pixels.filter_map(|(x, y)| Some((x, y, point_at(x, y)?))) {
         all += 1;
-        let point = ray * z;
-        if cylinder.distance(&point) > reach {
+        if is_outside(&point) && has_company(x, y) {
             others.push(point);
         }
     }

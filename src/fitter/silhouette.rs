@@ -27,7 +27,7 @@ const BEYOND: usize = SAMPLE / 10;
 /// Masks may end this many standard deviations of a side beside it, where the masks of the caller are rougher, and of the radius.
 const DEVIATIONS: f64 = 3.0;
 
-/// Steps from a limb to the axis in which the end of a mask is looked for.
+/// Steps from a limb to the middle of the surface in which the end of a mask is looked for.
 const STEPS: usize = 16;
 
 /// How steep the sides of a mask are at least against the limbs, as a change of the radius along the axis, where the body tapers.
@@ -147,7 +147,8 @@ impl Silhouette<'_> {
     fn beside(&self, across: [&Vector3<f64>; 2], allowed: f64, uncertain: f64) -> Option<Beside> {
         let (limb, outward, width) = self.limb_across(across)?;
         let limit = allowed.hypot(uncertain * width);
-        let within = self.pixel(&(limb - outward * limit.min(width)))?;
+        let at = |offset: f64| self.pixel(&self.on_surface(across, (offset / width).min(1.0))?);
+        let within = at(limit)?;
         let beyond = self.pixel(&(limb + outward * limit))?;
         if self.mask.contains(beyond.0, beyond.1) {
             return Some(Beside::Beyond);
@@ -155,11 +156,22 @@ impl Silhouette<'_> {
         if limit >= width || self.mask.contains(within.0, within.1) {
             return Some(Beside::Near);
         }
-        let step = outward * ((width - limit) / STEPS as f64);
-        let inward = (0..STEPS).map_while(|k| self.pixel(&(limb - outward * limit - step * k as f64)));
+        let step = (width - limit) / STEPS as f64;
+        let inward = (0..STEPS).map_while(|k| at(limit + step * k as f64));
         let mut missing = inward.take_while(|&(x, y)| !self.mask.contains(x, y));
         let hidden = missing.any(|pixel| self.is_hidden(pixel));
         (!hidden).then_some(Beside::Within)
+    }
+
+    /// Where the surface at the position of a point of the axis is seen, at a part of the way from the limb to the axis. Of an axis that
+    /// leads away from the camera the straight way would cross a cap, and surface at other positions.
+    fn on_surface(&self, [middle, limb]: [&Vector3<f64>; 2], part: f64) -> Option<Vector2<f64>> {
+        let sideways = limb - middle;
+        let across = self.cylinder.axis.direction.cross(&sideways);
+        let toward_camera = across * -across.dot(middle).signum();
+        let cosine = 1.0 - part;
+        let sine = (1.0 - cosine * cosine).sqrt();
+        self.camera.project(&(middle + sideways * cosine + toward_camera * sine))
     }
 
     /// By how many pixels the mask ends beyond the limb beside a point of the axis, and how many lie between the two. `None` as in

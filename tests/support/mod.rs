@@ -84,7 +84,7 @@ impl Noise {
         Self(seed.wrapping_mul(2).wrapping_add(1))
     }
 
-    fn uniform(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         // SplitMix64.
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
