@@ -216,12 +216,8 @@ fn warnings_of_masks(
 /// the points drew the fit away from it, or it was left out.
 fn leaves_lines(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> bool {
     data.views.iter().zip(&held.views).any(|(view, held)| {
-        let Some((camera, limbs)) = view.camera().zip(held.limbs.as_ref()) else { return false };
-        limbs.iter().filter_map(|limb| limb.line.as_ref().ok()).any(|line| {
-            let limit = (DISAGREEMENT * line.sigma).max(view.noise.pixel);
-            let distances = camera.distances_from_limbs(&view.seen(cylinder), &line.ends);
-            distances.is_some_and(|of_limbs| of_limbs.iter().all(|distances| distances.amax() > limit))
-        })
+        let lines = held.limbs.iter().flatten().filter_map(|limb| limb.line.as_ref().ok());
+        lines.into_iter().any(|line| view.leaves(line, &view.seen(cylinder)))
     })
 }
 

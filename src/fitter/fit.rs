@@ -18,6 +18,7 @@ use super::located::{self, Located};
 use super::objective::{Minimum, Precision};
 use super::options::{Method, StartKind};
 use super::result::Flags;
+use super::rims;
 use super::run::Run;
 use super::scales::Scales;
 use super::start::Candidate;
@@ -27,7 +28,7 @@ use crate::solver::Convergence;
 
 /// Points lie on one cylinder as well as on another up to this ratio of the scales of their residuals, which the points of a
 /// region tell to some percent.
-const AS_WELL: f64 = 1.05;
+pub(super) const AS_WELL: f64 = 1.05;
 
 /// What a fit ends with.
 pub(super) struct Fit {
@@ -134,7 +135,11 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
         true => {
             let (start, located) = locate(data, &guided, run)?;
             let located = beside_mask(data, &guided, located, run)?;
-            (start, arcs::bend(data, located, run)?)
+            let bent = arcs::bend(data, located, run)?;
+            match rims::without_rim(data, &guided, &bent, run)? {
+                Some(located) => (start, arcs::bend(data, located, run)?),
+                None => (start, bent),
+            }
         }
         false => (guided.start, Located { minimum: guided.minimum.clone(), held: guided.held(data) }),
     })

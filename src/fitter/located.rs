@@ -171,7 +171,7 @@ pub(super) fn lines_of(data: &Data<'_>, observations: &Observations) -> List<Lin
     data.views.iter().zip(observations).map(of_view).collect()
 }
 
-fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Lines {
+pub(super) fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation; 2]) -> Lines {
     [0, 1].map(|limb| {
         let line = observations[limb].line.ok()?;
         let weight = (view.noise.endpoint / line.sigma).powi(2);
@@ -192,7 +192,7 @@ fn left_of_shift(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
 }
 
 /// The fit to located limbs; `None` where they contradict the points, in whose scale a shift may leave so much.
-fn fit_to(
+pub(super) fn fit_to(
     data: &Data<'_>,
     guided: &Guided,
     lines: &[Lines],

@@ -31,6 +31,7 @@ mod points_alone;
 mod queries;
 mod ranges;
 mod result;
+mod rims;
 mod run;
 mod scales;
 mod selection;

@@ -20,7 +20,12 @@ impl ViewData<'_> {
 
     /// The part of the axis along which there are points.
     pub fn range_of_points(&self, cylinder: &Cylinder) -> [f64; 2] {
-        let axis = self.seen(cylinder).axis;
+        self.range_of_points_on(&self.seen(cylinder))
+    }
+
+    /// The same of a cylinder in the coordinates of the view.
+    pub fn range_of_points_on(&self, cylinder: &Cylinder) -> [f64; 2] {
+        let axis = cylinder.axis;
         let Some(last) = self.view.cloud.len().checked_sub(1) else { return [0.0, 0.0] };
         let positions = self.view.cloud.points().map(|p| axis.position_of(&p));
         let mut along = List::with_capacity(last + 1);
