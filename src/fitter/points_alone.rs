@@ -101,7 +101,9 @@ impl Fitter {
         loop {
             let asked = RefCell::new(&mut *run);
             let stopped = || asked.borrow_mut().report_again().is_break();
-            let Some(seen) = detect_points_until(&points, &mut looks, &search, &stopped)? else { break };
+            // Limits may be so wide that none are wider: then nothing is found.
+            let seen = unless_cancelled(detect_points_until(&points, &mut looks, &search, &stopped))?;
+            let Ok(Some(seen)) = seen else { break };
             let whole = seen.whole && chosen.len() == view.cloud.len();
             for (detection, label) in seen.cylinders.iter().zip(1..).take(MOST_OF_LOOK) {
                 let numbered = seen.labels.iter().zip(0..).filter(|(of, _)| **of == label);
@@ -313,6 +315,14 @@ mod tests {
                 assert!(fit.points_used < 2000, "{degrees}° {kind}: {}", fit.points_used);
             }
         }
+    }
+
+    #[test]
+    fn limits_beyond_which_a_search_has_none_are_no_error() {
+        let mut fitter = of(&[arc(1, 150.0), beside(1, "beside", 150.0)].concat());
+        let cylinder_limits = CylinderLimits { radius_max: 1e100, ..CylinderLimits::default() };
+        fitter.set_options(Options { cylinder_limits, ..Options::default() }).unwrap();
+        assert!(fitter.fit().is_ok());
     }
 
     #[test]

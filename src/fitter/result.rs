@@ -112,7 +112,7 @@ pub struct FitResult {
     /// The model that the iteration started from, moved into the limits; the largest component of its direction is
     /// positive.
     pub start: Cylinder,
-    /// How that start was found; never `Auto`.
+    /// How that start was found; never `Auto`. `Model` also where points alone were searched for the body.
     pub start_kind: StartKind,
     /// Why the iteration ended; `None` for the methods that do not iterate.
     pub termination: Option<Termination>,
