@@ -78,7 +78,7 @@ fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
 }
 
 /// The limits of cylinders in the coordinates of a view.
-fn limits_in(view: &View, options: &Options) -> CylinderLimits {
+pub(super) fn limits_in(view: &View, options: &Options) -> CylinderLimits {
     options.cylinder_limits.moved(&view.pose().inverse())
 }
 

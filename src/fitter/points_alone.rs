@@ -2,6 +2,7 @@
 //! cylinder by chance.
 
 use super::background::Surface;
+use super::body::limits_in;
 use super::run::Run;
 use super::view::View;
 use super::{Fitted, Fitter, Flags, MadeWith, Options, StartKind};
@@ -62,8 +63,8 @@ impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them.
     pub(super) fn fit_to_body(&self, first: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
         // Masks and detectors have told the background.
-        let is_told = |view: &View| view.mask.is_some() || view.is_body;
-        let is_told = self.views.iter().any(is_told) || first.0.held.has_lines();
+        let tells = |view: &View| view.mask.is_some() || view.is_body;
+        let is_told = self.views.iter().any(tells) || first.0.held.has_lines();
         if !self.options.is_robust() || is_told || first.1.points_used < FEWEST {
             return Ok(first);
         }
@@ -92,7 +93,7 @@ impl Fitter {
         let points: List<[f64; 3]> = chosen.iter().map(|&k| view.cloud.point(k).into()).collect();
         let points = PointsView::from_f64(&points);
         let default = DetectionOptions::default();
-        let limits = widened(&self.options.cylinder_limits.moved(&view.pose().inverse()));
+        let limits = widened(&limits_in(view, &self.options));
         let min_score = least_before_fit(default.min_score, false);
         let search = DetectionOptions { limits, min_score, ..default };
         let mut looks = Looks::default();
@@ -219,8 +220,9 @@ impl Body {
         let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
         let scatter =
             |of: &Cylinder| median_size(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
-        let is_beside =
-            contradict(&self.fit, first) && scatter(&first_cylinder) > FARTHER * scatter(&cylinder);
+        if !contradict(&self.fit, first) || scatter(&first_cylinder) <= FARTHER * scatter(&cylinder) {
+            return false;
+        }
         let mut beyond = List::filled(true, view.cloud.len());
         self.points.iter().for_each(|&k| beyond[k] = false);
         let reach = TUKEY_EFFICIENT * self.fit.1.point_scale;
@@ -238,7 +240,7 @@ impl Body {
             on_first += within(beyond[k] && from_first <= reach);
         }
         let is_one = of_first >= OF_FIRST * all && of_body >= BESIDE_BODY * others;
-        is_beside && !is_one && all - others > on_first
+        !is_one && all - others > on_first
     }
 }
 

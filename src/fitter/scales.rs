@@ -71,11 +71,14 @@ impl Data<'_> {
     /// Whether most points lie on a cylinder to rounding, as exact ones do, but some beside it: depth in coarse steps, of which a few points
     /// are alike, has no scale that says how it scatters.
     pub fn is_exact_by_chance(&self, cylinder: &Cylinder, scales: &Scales) -> bool {
-        let of_view = |view: &ViewData<'_>| {
-            view.points_within(cylinder, &self.center, TUKEY_EFFICIENT * scales.all.max(self.rounding()))
-        };
+        // Hardly any fit has to look at its points for that.
+        if scales.all > self.rounding() {
+            return false;
+        }
+        let within = TUKEY_EFFICIENT * self.rounding();
+        let of_view = |view: &ViewData<'_>| view.points_within(cylinder, &self.center, within);
         let exact: usize = self.views.iter().map(of_view).sum();
-        scales.all <= self.rounding() && (exact as f64) < EXACT * self.count() as f64
+        (exact as f64) < EXACT * self.count() as f64
     }
 
     /// What rounding leaves of the residuals of exact data.
