@@ -20,35 +20,37 @@ const SAMPLE: usize = 4096;
 /// Points whose noise tells how neighbours are correlated, with their grid.
 #[derive(Debug, Clone)]
 pub(super) struct Neighbours {
-    /// Some of very many points, spread over all; `None` for all.
-    part: Option<PointCloud>,
+    // In lists of one or none, as views hold these, and views are moved on the stack.
+    /// Some of very many points, spread over all; none for all.
+    part: List<PointCloud>,
     /// The same, all within one band.
-    band: Option<PointCloud>,
+    band: List<PointCloud>,
     /// `None` where it is that of a surface, or there is none.
     lattice: Option<Lattice>,
 }
 
 impl Neighbours {
     pub fn new(cloud: &PointCloud, observed: bool) -> Self {
-        let part = are_many(cloud.len()).then(|| cloud.spread(ENOUGH));
-        let band = part.as_ref().map(|part| middle_band(cloud, part));
-        let lattice = Lattice::of_cloud(band.as_ref().unwrap_or(cloud), observed);
+        let part: List<PointCloud> =
+            are_many(cloud.len()).then(|| cloud.spread(ENOUGH)).into_iter().collect();
+        let band: List<PointCloud> = part.iter().map(|part| middle_band(cloud, part)).collect();
+        let lattice = Lattice::of_cloud(band.first().unwrap_or(cloud), observed);
         Self { part, band, lattice }
     }
 
     /// The points that are spread over all, where there are very many.
     pub fn part(&self) -> Option<&PointCloud> {
-        self.part.as_ref()
+        self.part.first()
     }
 
     /// The points of a view whose residuals tell it.
     pub fn cloud<'a>(&'a self, view: &'a ViewData<'_>) -> &'a PointCloud {
-        self.band.as_ref().unwrap_or(&view.view.cloud)
+        self.band.first().unwrap_or(&view.view.cloud)
     }
 
     /// The points of the band, where there is one.
     pub fn band(&self) -> Option<PointTerm<'_>> {
-        Some(PointTerm::new(self.band.as_ref()?, None))
+        Some(PointTerm::new(self.band.first()?, None))
     }
 
     /// The number of independent points of a view about a surface, in the frame of the view, by the residuals of the band or

@@ -61,6 +61,7 @@ struct Body {
 
 impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     pub(super) fn fit_to_body(&self, first: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
         // Masks and detectors have told the background.
         let tells = |view: &View| view.mask.is_some() || view.is_body;
@@ -87,6 +88,7 @@ impl Fitter {
     }
 
     /// The body that a search finds among the points, a likely one with the most of them.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn likely_body(&self, view: &View, run: &mut Run<'_>, clock: &Instant) -> Result<Option<Body>> {
         // Of very many a part tells where the body is.
         let chosen = spread(view.cloud.len(), ENOUGH);
@@ -124,6 +126,7 @@ impl Fitter {
     }
 
     /// The body of a region that was found, grown over all points unless it has `whole` of it; `None` where that is not round.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn body_of(
         &self,
         view: &View,
@@ -157,6 +160,7 @@ impl Fitter {
     }
 
     /// The fit to some points of a view, from a cylinder in its coordinates.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn fit_of_points(
         &self,
         view: &View,
@@ -178,6 +182,7 @@ impl Fitter {
     }
 
     /// The fits after a first one without points that lie on the cylinder before by chance.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn fit_to_surface(&self, mut fit: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
         let bodies = fit.0.bodies.clone();
         let views = self.views_or(&bodies);
@@ -215,6 +220,7 @@ impl Body {
     }
 
     /// Whether its points contradict a first fit to all points of the view, and those beyond it belong to something else.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn contradicts(&self, first: &Fitted, view: &View) -> bool {
         let into_view = view.pose().inverse();
         let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));

@@ -69,16 +69,18 @@ impl<'a> PointTerm<'a> {
     /// is a pass over all points.
     #[must_use]
     pub fn with_curvature(self, frame: &LocalFrame, loss: impl Loss) -> Self {
-        let told = || {
-            let part = self.part()?;
-            let root = part.linearise(frame, loss).hessian.cholesky()?.l();
-            let by_slopes = part.linearise(frame, BySlopes(loss)).hessian;
-            let half = root.solve_lower_triangular(&by_slopes)?;
-            let slopes = root.solve_lower_triangular(&half.transpose())?;
-            // Where many points are nearly out there may be no minimum.
-            (slopes.symmetric_eigenvalues().min() > LEAST_RELIEF).then_some(slopes)
-        };
-        Self { slopes: told(), ..self }
+        let slopes = self.part().and_then(|part| part.slopes_of_influence(frame, loss));
+        Self { slopes, ..self }
+    }
+
+    #[inline(never)] // Frames of ways that are not taken need no stack.
+    fn slopes_of_influence(&self, frame: &LocalFrame, loss: impl Loss) -> Option<TangentMap> {
+        let root = self.linearise(frame, loss).hessian.cholesky()?.l();
+        let by_slopes = self.linearise(frame, BySlopes(loss)).hessian;
+        let half = root.solve_lower_triangular(&by_slopes)?;
+        let slopes = root.solve_lower_triangular(&half.transpose())?;
+        // Where many points are nearly out there may be no minimum.
+        (slopes.symmetric_eigenvalues().min() > LEAST_RELIEF).then_some(slopes)
     }
 
     /// The number of points.

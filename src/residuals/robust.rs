@@ -59,13 +59,13 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
         _ => view.scales.independent_points / (view.scales.point * view.scales.point),
     };
     let total: f64 = views.iter().map(information).sum();
-    let mut summands = SmallVec::new();
+    let mut sum = Sum { summands: SmallVec::new() };
     for view in views {
         let RobustView { into_view, points, observed, shared, known, near, scales, lines, arcs, endpoint } =
             *view;
         let scale = PixelScale { deviation: endpoint, length: total.sqrt().recip() };
         let mut add = |factor: f64, term: AnyTerm<'a>| {
-            summands.push(Summand { factor, into_view, term });
+            sum.summands.push(Summand { factor, into_view, term });
         };
         let in_pixels = |residuals: &'a dyn PixelResiduals| AnyTerm::Pixels(InPixels { residuals, scale });
         if points.count() > 0 {
@@ -90,5 +90,5 @@ pub fn robust_objective<'a>(views: &[RobustView<'a>], contested: bool) -> Sum<'a
             add(1.0, in_pixels(arcs));
         }
     }
-    Sum { summands }
+    sum
 }

@@ -88,7 +88,7 @@ impl<'a> Fits<'a> {
             None => radius_deviation(&fitter.evaluate(&result.cylinder)?),
         };
         let evidence = self.seen.evidence_of_fit(detection, &fitted, deviation, slope);
-        Ok(found(fitter, evidence, detection, result))
+        Ok(found(fitter, evidence, detection, &result))
     }
 
     /// The fit of a region of a cloud; without a share the cylinder that was found. Where a region may be a part of its body it grows
@@ -152,18 +152,18 @@ impl<'a> Fits<'a> {
         if let Some((fitter, result)) = last
             && !is_returned
         {
-            let mut none = found(*fitter, detection.evidence, &detection, result);
+            let mut none = found(fitter, detection.evidence, &detection, &result);
             none.score = 0.0;
             return Ok(none);
         }
         let (fitter, result) = self.of_region(points, looks, &region, &detection, share)?;
         check(result.iterations)?;
         // The score asks how well all points of the region determine the radius.
-        let mut whole = Box::new(self.fitter()?);
+        let mut whole = self.fitter()?;
         whole.push_numbered(points, region.iter().map(|&k| looks.given(k)))?;
         let deviation = radius_deviation(&whole.evaluate(&result.cylinder)?);
         let evidence = self.seen.evidence_of_fit(&detection, &result.cylinder, deviation, None);
-        let mut found = found(*fitter, evidence, &detection, result);
+        let mut found = found(fitter, evidence, &detection, &result);
         // A box within the reach of a cylinder is none.
         let is_poor = || found.result.flags.contains(Flags::POOR_FIT);
         let fits = || apart(|| is_round(&found.result.cylinder, places_of(looks, &region)));
@@ -175,6 +175,7 @@ impl<'a> Fits<'a> {
 
     /// A piece of a long body that bends or tapers, such as a trunk, for which it is a cylinder: half of it about the middle of its points,
     /// half of that, and so on. `None` where none is.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
     fn round_piece(
         &self,
         points: &PointsView<'_>,
@@ -211,9 +212,9 @@ impl<'a> Fits<'a> {
         region: &[u32],
         detection: &Detection,
         share: Option<&Share<'_>>,
-    ) -> Result<(Box<Fitter>, FitResult)> {
+    ) -> Result<(Box<Fitter>, Box<FitResult>)> {
         let fit = |chosen: &[u32]| {
-            let mut fitter = Box::new(self.fitter()?);
+            let mut fitter = self.fitter()?;
             fitter.push_numbered(points, chosen.iter().map(|&k| looks.given(k)))?;
             fitter.know_as_body();
             let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
@@ -258,10 +259,10 @@ impl<'a> Fits<'a> {
         pose: &RigidMotion,
         share: Option<&Share<'_>>,
         limb: f64,
-    ) -> Result<FitResult> {
+    ) -> Result<Box<FitResult>> {
         if let Some(share) = share {
             share.set_region(detection.pixels, limb);
-            return self.fit_or_keep(fitter, detection, pose, share);
+            return self.fit_or_keep(fitter, detection, pose, share).map(Box::new);
         }
         let found = pose.cylinder(&detection.cylinder);
         if !fitter.options().cylinder_limits.contain(&found) {
@@ -269,7 +270,7 @@ impl<'a> Fits<'a> {
             return Err(Error::NoStart { reason });
         }
         fitter.set_start(Some(found));
-        fitter.keep(&found)
+        fitter.keep(&found).map(Box::new)
     }
 
     /// The fit with the best covered limbs, or the detected cylinder where that is covered better, or no limb is
@@ -341,9 +342,10 @@ impl<'a> Fits<'a> {
         (MOST_FITS / self.seen.cylinders.len().max(1)).max(1)
     }
 
-    fn fitter(&self) -> Result<Fitter> {
+    #[inline(never)] // It is on the stack here alone.
+    fn fitter(&self) -> Result<Box<Fitter>> {
         let cylinder_limits = self.options.search.limits;
-        let mut fitter = Fitter::new();
+        let mut fitter = Box::new(Fitter::new());
         fitter.set_options(Options { start: StartKind::Model, cylinder_limits, ..self.options.fit })?;
         Ok(fitter)
     }
@@ -383,7 +385,12 @@ fn radius_deviation(result: &FitResult) -> f64 {
 
 // Apart and boxed, so that what it holds takes no stack below the fits.
 #[inline(never)]
-fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: FitResult) -> Box<Found> {
+fn found(
+    mut fitter: Box<Fitter>,
+    evidence: Evidence,
+    detection: &Detection,
+    result: &FitResult,
+) -> Box<Found> {
     let (extent, arcs) = match fitter.extent_and_arcs(None, None) {
         Ok((extent, mut arcs)) => (Ok(extent), arcs.pop().unwrap_or_default()),
         Err(error) => (Err(error), Default::default()),
@@ -395,10 +402,10 @@ fn found(mut fitter: Fitter, evidence: Evidence, detection: &Detection, result: 
         score,
         evidence,
         pixels,
-        result,
+        result: *result,
         extent,
         arcs,
-        fitter,
+        fitter: *fitter,
         region: Vec::new(),
         body: Vec::new(),
     })

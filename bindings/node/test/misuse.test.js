@@ -173,7 +173,7 @@ for (const [name, program] of [['', FIT], [' with callbacks', HEARD]]) {
 }
 
 test('a call on the pool takes at most five eighths of the stack that koffi gives it', () => {
-  // A search in a frame takes the most, less than 68 KB.
+  // A search in a cloud takes the most, 70 KB or less.
   const part = (require('koffi').config().async_stack_size * 5) / 8;
   const { status, signal } = spawnSync(process.execPath, ['-e', `
     require('koffi').config({ async_stack_size: ${part} });

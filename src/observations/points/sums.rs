@@ -13,8 +13,8 @@ impl<T: Copy + Into<f64>> WithSimd for Moments<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         const LANES: usize = 8;
-        // Some at a time, of which the processor has all three coordinates at hand.
-        const GROUPS: usize = 32;
+        // Some at a time, of which the processor has all three coordinates at hand, and which take little of the stack.
+        const GROUPS: usize = 4;
         let count = self.0[0].len() as f64;
         let mean = self.0.map(|axis| {
             let mut sums = [0.0; LANES];
