@@ -43,7 +43,7 @@ type PointCloud interface {
 }
 
 // DepthImage holds z, not the distance along the ray, for each pixel of the camera, in memory of the caller, which is
-// read during the call only. uint16: 0 = no measurement; float32: 0, negative or not finite = no measurement.
+// read during the call only. uint16: 0 and 65535 (too far) = no measurement; float32: 0, negative or not finite = no measurement.
 type DepthImage[T uint16 | float32] struct {
 	// Data holds the first row at its beginning.
 	Data []T

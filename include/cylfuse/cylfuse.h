@@ -750,7 +750,7 @@ typedef struct cylfuse_points_view {
  */
 typedef int32_t cylfuse_depth_format;
 /**
- * `uint16_t`; 0 = no measurement.
+ * `uint16_t`; 0 and 65535 (too far) = no measurement.
  */
 #define CYLFUSE_DEPTH_FORMAT_U16 1
 /**

@@ -69,7 +69,7 @@ reads!(cylfuse_scalar, Scalar { F32 = F32, F64 = F64 });
 pub struct cylfuse_depth_format(pub i32);
 
 impl cylfuse_depth_format {
-    /// `uint16_t`; 0 = no measurement.
+    /// `uint16_t`; 0 and 65535 (too far) = no measurement.
     pub const U16: cylfuse_depth_format = cylfuse_depth_format(1);
     /// `float`; 0, negative or not finite = no measurement.
     pub const F32: cylfuse_depth_format = cylfuse_depth_format(2);

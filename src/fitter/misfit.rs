@@ -23,7 +23,7 @@ const TERMS: usize = 9;
 const OF_CYLINDER: usize = 5;
 
 /// What the shape explains must have this part of the variance that is left at least: the waves of time of flight on right
-/// cylinders explain as much now and then. Two planes must explain as much, too: docs/measurements-masks.md, "Boxes".
+/// cylinders explain as much now and then. Two planes must explain as much, too: docs/measurements-shapes.md, "Boxes".
 const LEAST_GAIN: f64 = 1.0;
 
 /// The root mean square of what the shape explains as a part of the radius. Those waves have 1.9 % of it at most, bent pipes

@@ -3,6 +3,7 @@
 //! [`Fitter`] holds what was pushed, by view. A fit reads it as immutable `Data` and runs through stages, each a function
 //! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
 
+mod among_points;
 mod arcs;
 mod background;
 mod batch;
@@ -27,6 +28,7 @@ mod options;
 mod other_body;
 mod outlier;
 mod outline;
+mod plane_beside;
 mod points_alone;
 mod queries;
 mod ranges;
@@ -60,10 +62,10 @@ pub use uncertainty::{ImageShift, RadiusComparison, Uncertainty};
 pub(crate) use view::View;
 
 #[cfg(feature = "sensitivity")]
-/// The constants of fits that go on from the last one.
+/// The constants of fits that go on from the last one, and of fits to points alone.
 #[must_use]
 pub fn constants() -> Vec<crate::constant::Constant> {
-    continued::CONSTANTS.to_vec()
+    [continued::CONSTANTS, among_points::CONSTANTS, points_alone::CONSTANTS].concat()
 }
 
 use crate::error::{Error, Result, cancelled_if, unless_cancelled};
@@ -244,7 +246,7 @@ impl Fitter {
                 self.fit_to_drawn(first, &[], run, &clock)?
             }
             None => {
-                let first = self.fit_views(List::new(), run, &clock)?;
+                let first = unless_cancelled(self.fit_views(List::new(), run, &clock))?;
                 self.fit_to_body(first, run, &clock)?
             }
             Some(fit) => fit,

@@ -1,22 +1,16 @@
 //! The fits to points alone, without mask, edges and limbs, after a first one: the points may lie on several surfaces, and on the
 //! cylinder by chance.
 
+use super::among_points::{Body, FEWEST, On, weight};
 use super::background::Surface;
-use super::body::limits_in;
+use super::plane_beside::PlaneBeside;
 use super::run::Run;
 use super::view::View;
-use super::{Fitted, Fitter, Flags, MadeWith, Options, StartKind};
-use crate::detection::{
-    Detection, DetectionOptions, Looks, detect_points_until, grown, is_round, least_before_fit, reach_of,
-    widened,
-};
-use crate::error::{Result, unless_cancelled};
-use crate::geometry::Cylinder;
+use super::{Fitted, Fitter, Flags, StartKind};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::memory::List;
-use crate::observations::{ENOUGH, PointsView, spread};
-use crate::residuals::TUKEY_EFFICIENT;
-use crate::statistics::median_size;
-use std::cell::RefCell;
+use crate::observations::{ENOUGH, spread};
+use nalgebra::Vector3;
 use std::time::Instant;
 
 /// Most fits without points that lie on the cylinder before by chance.
@@ -25,160 +19,130 @@ const ROUNDS_OF_SURFACE: usize = 5;
 /// How points scatter about a cylinder is known to some percent.
 const NO_WORSE: f64 = 1.05;
 
-/// Points may lie on more than one surface where this part of them is not on the cylinder,
-const ELSEWHERE: f64 = 0.05;
+constants! {
+    /// Points may lie on more than one surface where this part of them is not on the cylinder,
+    ELSEWHERE = 0.05, "";
 
-/// or where they scatter about it by this part of its radius.
-const WIDE: f64 = 0.1;
+    /// or where they scatter about it by this part of its radius.
+    WIDE = 0.1, "radius";
 
-/// The points of a body contradict a cylinder that is so many squared standard deviations away: 3 of one number, for five.
-const CONTRADICTION: f64 = 18.2;
+    /// One sensor measures plane and body: their points scatter alike, within this factor.
+    ALIKE = 2.0, "";
 
-/// They scatter about that by so many times what is left of them, in the median, at least.
-const FARTHER: f64 = 1.05;
-
-/// Where this part of the points is within `NEAR_FIRST` radii of the first cylinder, and the other part of those beyond a body within
-/// `NEAR_BODY` radii of that, all are one body that is no cylinder, such as an oval one.
-const OF_FIRST: f64 = 0.8;
-const NEAR_FIRST: f64 = 0.15;
-const BESIDE_BODY: f64 = 0.5;
-const NEAR_BODY: f64 = 0.25;
-
-/// Cylinders of one look that are fitted, at most: the body that is meant has many of the points.
-const MOST_OF_LOOK: usize = 3;
-
-/// Fewer points tell neither bodies nor background.
-const FEWEST: usize = 50;
-
-/// One body among the points of a view.
-struct Body {
-    fit: Fitted,
-    /// Its points, by their numbers.
-    points: List<usize>,
-    /// The probability that it is a cylinder, by the search.
-    score: f64,
+    /// Points that a plane holds a quarter of, which scatter about it by this part of their scatter about a cylinder, have flat sides.
+    FLATTER = 0.5, "";
 }
 
+/// Planes that cross the body or touch it, at most.
+const MOST_PLANES: usize = 3;
+
 impl Fitter {
-    /// The fit to the points of the body alone where these contradict the first one, which was to all of them.
+    /// The fit to the points of the body alone where these contradict the first one, which was to all of them, or where that failed.
     #[inline(never)] // Frames of ways that are not taken need no stack.
-    pub(super) fn fit_to_body(&self, first: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
+    pub(super) fn fit_to_body(
+        &self,
+        first: Result<Fitted>,
+        run: &mut Run<'_>,
+        clock: &Instant,
+    ) -> Result<Fitted> {
         // Masks and detectors have told the background.
         let tells = |view: &View| view.mask.is_some() || view.is_body;
-        let is_told = self.views.iter().any(tells) || first.0.held.has_lines();
-        if !self.options.is_robust() || is_told || first.1.points_used < FEWEST {
+        let is_told = !self.options.is_robust() || self.views.iter().any(tells);
+        let is_chosen = self.start.is_some() || self.options.start != StartKind::Auto;
+        let searched = match &self.views[..] {
+            [view] if !is_told && !is_chosen => Some(view),
+            _ => None,
+        };
+        let first = match (first, searched) {
+            (Ok(first), _) => first,
+            // Two bodies may be explained best by something flat.
+            (Err(error @ Error::PlanarPoints { .. }), Some(view)) if view.segments.is_empty() => {
+                return self.fit_among_surfaces(view, None, run, clock)?.ok_or(error);
+            }
+            (Err(error), _) => return Err(error),
+        };
+        if is_told || first.0.held.has_lines() || first.1.points_used < FEWEST {
             return Ok(first);
         }
-        let is_chosen = self.start.is_some() || self.options.start != StartKind::Auto;
-        match &self.views[..] {
-            [view] if !is_chosen && may_hold_more(view, &first) => {
-                let body = self.likely_body(view, run, clock)?;
-                match body.filter(|body| body.contradicts(&first, view)) {
-                    Some(mut body) => {
-                        // Most points do not lie on it.
-                        let poor = body.part(view) < 0.5;
-                        body.fit.1.flags.set(Flags::POOR_FIT, poor);
-                        Ok(body.fit)
-                    }
-                    None => self.fit_to_surface(first, run, clock),
-                }
+        match searched {
+            Some(view) if may_hold_more(view, &first) => {
+                Ok(self.fit_among_surfaces(view, Some(&first), run, clock)?.unwrap_or(first))
             }
             _ => self.fit_to_surface(first, run, clock),
         }
     }
 
-    /// The body that a search finds among the points, a likely one with the most of them.
+    /// The same for points of a view that may lie on several surfaces; `None` where neither a first fit nor a body is there.
     #[inline(never)] // Frames of ways that are not taken need no stack.
-    fn likely_body(&self, view: &View, run: &mut Run<'_>, clock: &Instant) -> Result<Option<Body>> {
-        // Of very many a part tells where the body is.
-        let chosen = spread(view.cloud.len(), ENOUGH);
-        let points: List<[f64; 3]> = chosen.iter().map(|&k| view.cloud.point(k).into()).collect();
-        let points = PointsView::from_f64(&points);
-        let default = DetectionOptions::default();
-        let limits = widened(&limits_in(view, &self.options));
-        let min_score = least_before_fit(default.min_score, false);
-        let search = DetectionOptions { limits, min_score, ..default };
-        let mut looks = Looks::default();
-        let mut best: Option<Body> = None;
-        let worth = |body: &Body| body.score * body.part(view);
-        loop {
-            let asked = RefCell::new(&mut *run);
-            let stopped = || asked.borrow_mut().report_again().is_break();
-            // Limits may be so wide that none are wider: then nothing is found.
-            let seen = unless_cancelled(detect_points_until(&points, &mut looks, &search, &stopped))?;
-            let Ok(Some(seen)) = seen else { break };
-            let whole = seen.whole && chosen.len() == view.cloud.len();
-            for (detection, label) in seen.cylinders.iter().zip(1..).take(MOST_OF_LOOK) {
-                let numbered = seen.labels.iter().zip(0..).filter(|(of, _)| **of == label);
-                let region = numbered.map(|(_, k)| chosen[looks.given(looks.in_all(k))]).collect();
-                let body = self.body_of(view, region, (detection, whole), run, clock)?;
-                let is_better = |body: &Body| best.as_ref().is_none_or(|best| worth(body) > worth(best));
-                if body.as_ref().is_some_and(is_better) {
-                    best = body;
-                }
-            }
-            let is_likely = best.as_ref().is_some_and(|best| best.score >= default.min_score);
-            if is_likely || !looks.go_on(false, false) || !looks.at_all() {
-                break;
-            }
-        }
-        Ok(best)
-    }
-
-    /// The body of a region that was found, grown over all points unless it has `whole` of it; `None` where that is not round.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
-    fn body_of(
+    fn fit_among_surfaces(
         &self,
         view: &View,
-        mut region: List<usize>,
-        (detection, whole): (&Detection, bool),
+        first: Option<&Fitted>,
         run: &mut Run<'_>,
         clock: &Instant,
-    ) -> Result<Option<Body>> {
-        let place = |&k: &usize| view.cloud.point(k);
-        let fit = |region: &[usize], cylinder: &Cylinder, run: &mut Run<'_>| {
-            unless_cancelled(self.fit_of_points(view, region, cylinder, run, clock)).map(Result::ok)
-        };
-        let Some(mut fitted) = fit(&region, &detection.cylinder, run)? else { return Ok(None) };
-        let into_view = view.pose().inverse();
-        if !whole {
-            let cylinder = into_view.cylinder(&fitted.1.cylinder);
-            let reach = reach_of(&cylinder, region.iter().map(place));
-            let all = (0..).zip(view.cloud.points());
-            let grown = grown(&cylinder, reach, region.iter().map(place), all);
-            let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
-            let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
-            // What else lies near the surface draws the fit away.
-            if let Some(again) = again.filter(|again| !contradict(&fitted, again)) {
-                (region, fitted) = (grown, again);
-            }
+    ) -> Result<Option<Fitted>> {
+        let is_meant =
+            |body: &Body| first.map_or_else(|| body.is_likely(), |first| body.contradicts(first, view));
+        let mut body = self.likely_body(view, run, clock)?.filter(is_meant);
+        if let (None, Some(first)) = (&body, first) {
+            body = self.body_beside_plane(view, first, run, clock)?.filter(is_meant);
         }
-        let cylinder = into_view.cylinder(&fitted.1.cylinder);
-        let is_one =
-            !fitted.1.flags.contains(Flags::POOR_FIT) && is_round(&cylinder, region.iter().map(place));
-        Ok(is_one.then_some(Body { fit: fitted, points: region, score: detection.score }))
+        let is_found = body.is_some();
+        let (fit, points) = match (body, first) {
+            (Some(body), _) => (body.fit, body.points),
+            (None, Some(first)) => (first.clone(), (0..view.cloud.len()).collect()),
+            (None, None) => return Ok(None),
+        };
+        let (mut fit, mut points, planes) = self.fit_off_planes(view, (fit, points), run, clock)?;
+        let is_chosen = is_found || points.len() < view.cloud.len();
+        if !is_found {
+            fit = self.fit_to_surface(fit, run, clock)?;
+        }
+        let on = On::new(view, &fit);
+        points.retain(|&k| on.holds(k));
+        let is_on_plane = |&k: &usize| planes.iter().any(|plane| plane.holds(&view.cloud.point(k)));
+        let on_planes = weight(view, (0..view.cloud.len()).filter(is_on_plane));
+        // Most of the points that are on no plane are not on the cylinder either.
+        let is_little = is_chosen && weight(view, points.iter().copied()) < 0.5 * (1.0 - on_planes);
+        let some = spread(points.len(), ENOUGH);
+        let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(points[k])).collect();
+        // A part of a cylinder is nowhere flatter than round.
+        let has_side = PlaneBeside::among(&some, FLATTER.get() * fit.1.point_scale).is_some();
+        if is_little || has_side {
+            fit.1.flags |= Flags::POOR_FIT;
+        }
+        Ok(Some(fit))
     }
 
-    /// The fit to some points of a view, from a cylinder in its coordinates.
+    /// The fit to some points of a view without those of planes that touch the cylinder or cross it, what is left of them, and all planes
+    /// among the others.
     #[inline(never)] // Frames of ways that are not taken need no stack.
-    fn fit_of_points(
+    fn fit_off_planes(
         &self,
         view: &View,
-        points: &[usize],
-        cylinder: &Cylinder,
+        (mut fit, mut points): (Fitted, List<usize>),
         run: &mut Run<'_>,
         clock: &Instant,
-    ) -> Result<Fitted> {
-        let mut body = view.with_points(view.cloud.listed(points), None);
-        body.is_body = true;
-        let fitter = Self {
-            options: Options { start: StartKind::Model, ..self.options },
-            start: Some(view.pose().cylinder(cylinder)),
-            views: vec![body.clone()],
-            ..Self::default()
-        };
-        let (made_with, result, last) = fitter.fit_views(List::new(), run, clock)?;
-        Ok((MadeWith { bodies: std::iter::once(Some(body)).collect(), ..made_with }, result, last))
+    ) -> Result<(Fitted, List<usize>, List<PlaneBeside>)> {
+        let mut planes: List<PlaneBeside> = List::new();
+        for _ in 0..MOST_PLANES {
+            let on = On::new(view, &fit);
+            let is_beyond =
+                |&k: &usize| !on.holds(k) && !planes.iter().any(|plane| plane.holds(&view.cloud.point(k)));
+            let some = spread(view.cloud.len(), ENOUGH).into_iter().filter(is_beyond);
+            let beyond: List<Vector3<f64>> = some.map(|k| view.cloud.point(k)).collect();
+            let Some(plane) = PlaneBeside::among(&beyond, ALIKE.get() * fit.1.point_scale) else { break };
+            let is_on_plane = |k: usize| plane.holds(&view.cloud.point(k));
+            if points.iter().any(|&k| on.holds(k) && is_on_plane(k)) {
+                let rest: List<usize> = points.iter().copied().filter(|&k| !is_on_plane(k)).collect();
+                let cylinder = view.pose().inverse().cylinder(&fit.1.cylinder);
+                let again = unless_cancelled(self.fit_of_points(view, &rest, Some(&cylinder), run, clock))?;
+                let Some(again) = again.ok().filter(|again| is_as_good(&fit, again)) else { break };
+                (fit, points) = (again, rest);
+            }
+            planes.push(plane);
+        }
+        Ok((fit, points, planes))
     }
 
     /// The fits after a first one without points that lie on the cylinder before by chance.
@@ -193,83 +157,40 @@ impl Fitter {
             let Some(surface) = surface.filter(|surface| before != Some(surface.holds)) else { break };
             let drawn = views.clone().map(|view| Some(surface.of(view))).collect();
             let again = unless_cancelled(self.fit_views(drawn, run, clock))?;
-            // Without background the points lie on the cylinder as well as before at least.
-            let is_as_good = |again: &Fitted| {
-                let poor = [&fit, again].map(|fit| fit.1.flags.contains(Flags::POOR_FIT));
-                again.1.point_scale <= NO_WORSE * fit.1.point_scale && poor != [false, true]
-            };
-            let Some(again) = again.ok().filter(is_as_good) else { break };
+            let Some(again) = again.ok().filter(|again| is_as_good(&fit, again)) else { break };
             (fit, before) = (again, Some(surface.holds));
         }
         Ok(fit)
     }
 }
 
-/// Whether the points of a fit contradict the cylinder of another one.
-fn contradict((_, fit, _): &Fitted, (_, other, _): &Fitted) -> bool {
-    let stated = fit.uncertainty.as_ref();
-    stated.is_some_and(|stated| stated.squared_distance(&other.cylinder) > CONTRADICTION)
-}
-
-impl Body {
-    /// Its points by weight, as a part of those of the view.
-    fn part(&self, view: &View) -> f64 {
-        let weight = |k: usize| view.cloud.weight(k);
-        let of_body: f64 = self.points.iter().map(|&k| weight(k)).sum();
-        of_body / (0..view.cloud.len()).map(weight).sum::<f64>()
-    }
-
-    /// Whether its points contradict a first fit to all points of the view, and those beyond it belong to something else.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
-    fn contradicts(&self, first: &Fitted, view: &View) -> bool {
-        let into_view = view.pose().inverse();
-        let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
-        let scatter =
-            |of: &Cylinder| median_size(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
-        if !contradict(&self.fit, first) || scatter(&first_cylinder) <= FARTHER * scatter(&cylinder) {
-            return false;
-        }
-        let mut beyond = List::filled(true, view.cloud.len());
-        self.points.iter().for_each(|&k| beyond[k] = false);
-        let reach = TUKEY_EFFICIENT * self.fit.1.point_scale;
-        // All points near the first cylinder; those beyond the body, that are near it, that lie on the first cylinder.
-        let [mut all, mut of_first, mut others, mut of_body, mut on_first] = [0.0; 5];
-        for (k, point) in view.cloud.points().enumerate() {
-            let weight = view.cloud.weight(k);
-            let [from_first, from_body] =
-                [&first_cylinder, &cylinder].map(|cylinder| cylinder.distance(&point).abs());
-            let within = |is_within: bool| if is_within { weight } else { 0.0 };
-            all += weight;
-            of_first += within(from_first <= NEAR_FIRST * first_cylinder.radius);
-            others += within(beyond[k]);
-            of_body += within(beyond[k] && from_body <= NEAR_BODY * cylinder.radius);
-            on_first += within(beyond[k] && from_first <= reach);
-        }
-        let is_one = of_first >= OF_FIRST * all && of_body >= BESIDE_BODY * others;
-        !is_one && all - others > on_first
-    }
+/// Whether without background the points lie on the cylinder as well as before at least.
+fn is_as_good((_, before, _): &Fitted, (_, again, _): &Fitted) -> bool {
+    let poor = [before, again].map(|fit| fit.flags.contains(Flags::POOR_FIT));
+    again.point_scale <= NO_WORSE * before.point_scale && poor != [false, true]
 }
 
 /// Whether points may lie on more than one surface, by a first fit to them.
-fn may_hold_more(view: &View, (_, fit, _): &Fitted) -> bool {
-    let cylinder = view.pose().inverse().cylinder(&fit.cylinder);
-    if fit.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS) || fit.point_scale > WIDE * cylinder.radius
+fn may_hold_more(view: &View, fit: &Fitted) -> bool {
+    if fit.1.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS)
+        || fit.1.point_scale > WIDE.get() * fit.1.cylinder.radius
     {
         return true;
     }
-    let some = spread(view.cloud.len(), ENOUGH);
-    let reach = TUKEY_EFFICIENT * fit.point_scale;
-    let elsewhere = some.iter().filter(|&&k| cylinder.distance(&view.cloud.point(k)).abs() > reach);
-    elsewhere.count() as f64 > ELSEWHERE * some.len() as f64
+    let (some, on) = (spread(view.cloud.len(), ENOUGH), On::new(view, fit));
+    some.iter().filter(|&&k| !on.holds(k)).count() as f64 > ELSEWHERE.get() * some.len() as f64
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fitter::Options;
     use crate::geometry::{AxisCone, CylinderLimits, RigidMotion, any_orthogonal};
-    use nalgebra::{Matrix3, Vector3};
+    use crate::observations::PointsView;
+    use nalgebra::Matrix3;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
+    use std::ops::ControlFlow;
 
     /// A number between −1 and 1.
     fn number(rng: &mut ChaCha8Rng) -> f64 {
@@ -295,6 +216,11 @@ mod tests {
         let second = arc(200 + seed, degrees).into_iter().map(|[x, y, z]| [x + 2.2, y, z]);
         let point = |_| match kind {
             "behind" => [3.0 * number(rng), 2.0 * number(rng), 7.2 + noise(rng)],
+            "floor" => [1.0 + noise(rng), 2.0 * number(rng), 6.0 + 1.5 * number(rng)],
+            "flange" => {
+                let (angle, radius) = (degrees.to_radians() * number(rng) / 2.0, 1.3 + 0.3 * number(rng));
+                [radius * angle.sin(), 2.0 + noise(rng), 6.0 - radius * angle.cos()]
+            }
             "beside" => [1.2 + noise(rng), 2.0 * number(rng), 6.0 + 1.5 * number(rng)],
             _ => {
                 let (angle, radius) = (1.5 * number(rng), 2.0 + number(rng));
@@ -323,6 +249,51 @@ mod tests {
                 assert!(fit.points_used < 2000, "{degrees}° {kind}: {}", fit.points_used);
             }
         }
+    }
+
+    #[test]
+    fn planes_that_touch_the_body_or_hold_most_points_do_not_draw_it() {
+        for degrees in [60.0, 150.0] {
+            for kind in ["floor", "flange"] {
+                let alone = of(&arc(1, degrees)).fit().unwrap();
+                let of_plane = [1, 2].map(|seed| beside(seed, kind, degrees)).concat();
+                let fit = of(&[arc(1, degrees), of_plane].concat()).fit().unwrap();
+                let stated = fit.uncertainty.unwrap().radius();
+                let off = (fit.cylinder.radius - 1.0).abs();
+                assert!(off < 3.0 * stated, "{degrees}° {kind}: {off} {stated}");
+                assert!(stated < 3.0 * alone.uncertainty.unwrap().radius(), "{degrees}° {kind}: {stated}");
+                assert_eq!(fit.flags, Flags::empty(), "{degrees}° {kind}");
+            }
+        }
+    }
+
+    #[test]
+    fn bodies_are_found_where_a_first_fit_has_no_radius() {
+        let clouds = (0..60).map(|seed| [arc(seed, 60.0), beside(seed, "second", 60.0)].concat());
+        let first = |points: &[[f64; 3]]| {
+            let run = &mut |_: &_| ControlFlow::Continue(());
+            of(points).fit_views(List::new(), &mut Run::new(run), &Instant::now())
+        };
+        let is_flat = |points: &Vec<_>| matches!(first(points), Err(Error::PlanarPoints { .. }));
+        let mut flat = clouds.filter(is_flat).peekable();
+        assert!(flat.peek().is_some());
+        for points in flat {
+            let fit = of(&points).fit().unwrap();
+            assert!((fit.cylinder.radius - 1.0).abs() < 0.03, "{:?}", fit.cylinder);
+        }
+    }
+
+    #[test]
+    fn what_has_flat_sides_is_a_poor_fit() {
+        let rng = &mut ChaCha8Rng::seed_from_u64(1);
+        let of_prism = |_| {
+            let (side, along) = (rng.next_u32() % 3, number(rng));
+            let angle = f64::from(side) * std::f64::consts::TAU / 3.0;
+            let [x, z] = [along * f64::sqrt(3.0), 1.0 + 0.01 * number(rng)];
+            [x * angle.cos() - z * angle.sin(), 2.0 * number(rng), 6.0 + x * angle.sin() + z * angle.cos()]
+        };
+        let points: Vec<[f64; 3]> = (0..3000).map(of_prism).collect();
+        assert!(of(&points).fit().unwrap().flags.contains(Flags::POOR_FIT));
     }
 
     #[test]

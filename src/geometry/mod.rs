@@ -17,6 +17,7 @@ mod limbs;
 mod limits;
 mod line;
 mod motion;
+mod plane;
 mod rotation;
 
 pub(crate) use chart::{Chart, LocalFrame, Tangent, TangentMap};
@@ -26,6 +27,7 @@ pub use limits::{AxisCone, CylinderLimits};
 pub use line::Line;
 pub(crate) use line::across;
 pub use motion::RigidMotion;
+pub(crate) use plane::Plane;
 #[cfg(test)]
 pub(crate) use rotation::exp_so3;
 pub use rotation::{any_orthogonal, rotate_direction};

@@ -102,7 +102,7 @@ impl<'a> PointsView<'a> {
 /// How a pixel of a depth image is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pixels {
-    /// 16-bit unsigned integer, 0 = no measurement.
+    /// 16-bit unsigned integer; 0, and 65535, which is too far to tell, = no measurement.
     U16,
     /// 32-bit float; 0, negative or not finite = no measurement.
     F32,
@@ -168,7 +168,7 @@ impl<'a> DepthView<'a> {
     #[inline]
     fn value(&self, column: usize, row: usize) -> Option<f32> {
         let value = match self.format {
-            Pixels::U16 => f32::from(self.pixels.u16(column, row)),
+            Pixels::U16 => of_integer(self.pixels.u16(column, row)),
             Pixels::F32 => f32::from_ne_bytes(self.pixels.read(column, row, 0)),
         };
         is_measured(value).then_some(value)
@@ -179,7 +179,7 @@ impl<'a> DepthView<'a> {
     pub(super) fn read_row(&self, row: usize, values: &mut Vec<f32>) {
         let packed = match self.format {
             Pixels::U16 => self.pixels.packed_row(row).map(|stored| {
-                values.extend(stored.iter().map(|stored| f32::from(u16::from_ne_bytes(*stored))));
+                values.extend(stored.iter().map(|stored| of_integer(u16::from_ne_bytes(*stored))));
             }),
             Pixels::F32 => self.pixels.packed_row(row).map(|stored| {
                 let value = |stored: f32| if is_measured(stored) { stored } else { 0.0 };
@@ -190,6 +190,12 @@ impl<'a> DepthView<'a> {
             values.extend((0..self.width()).map(|column| self.value(column, row).unwrap_or(0.0)));
         }
     }
+}
+
+/// A depth that is stored as an integer, 0 where that is the largest one: it stands for all that are farther.
+#[inline(always)]
+fn of_integer(stored: u16) -> f32 {
+    f32::from(if stored == u16::MAX { 0 } else { stored })
 }
 
 /// Whether a stored depth is one.
@@ -443,5 +449,21 @@ mod tests {
         assert_eq!(depths, [None, None, None, None, Some(1.0)]);
         assert!(DepthView::from_f32(&image, (5, 1), 0.0).is_err());
         assert!(DepthView::from_f32(&image, (5, 1), f64::NAN).is_err());
+    }
+
+    #[test]
+    fn the_least_and_the_largest_integer_are_no_depth() {
+        let image = [0_u16, 1, 65534, 65535];
+        let measured = [None, Some(0.5), Some(32767.0), None];
+        let view = DepthView::from_u16(&image, (4, 1), 0.5).unwrap();
+        let backwards = Strided::new(bytes_of(&image), 6, (4, 1), 2, (-2, 8)).unwrap();
+        for (view, order) in
+            [(view, [0, 1, 2, 3]), (DepthView::new(backwards, Pixels::U16, 0.5).unwrap(), [3, 2, 1, 0])]
+        {
+            assert_eq!(order.map(|column| view.depth(column, 0)), measured);
+            let mut row = Vec::new();
+            view.read_row(0, &mut row);
+            assert_eq!(order.map(|column| row[column]), [0.0, 1.0, 65534.0, 0.0]);
+        }
     }
 }

@@ -37,6 +37,7 @@ use crate::statistics::DEVIATION_OF_MEDIAN;
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
+pub(crate) use sample::below;
 use sample::{PLAIN_SAMPLE, Sampler};
 use score::Scorer;
 use std::ops::ControlFlow;

@@ -26,7 +26,7 @@ namespace Cylfuse
         /// <summary>The farthest depth that becomes a point, in the unit of length. Default 0 = no limit.</summary>
         public double MaxDepth { get; set; }
 
-        /// <summary>Rows × columns of integers; 0 = no measurement.</summary>
+        /// <summary>Rows × columns of integers; 0 and 65535 (too far) = no measurement.</summary>
         public static DepthImage From(ushort[,] depth, double scale) => new DepthImage(Grid.Of("pixels", depth), scale);
 
         /// <summary>Rows × columns of floating-point numbers; 0, negative or not finite = no measurement.</summary>

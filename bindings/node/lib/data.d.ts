@@ -184,7 +184,7 @@ export interface Pixels<T> {
   pixelStride?: number;
 }
 
-/** A depth image of the camera: z, not the distance along the ray; 0 = no measurement. */
+/** A depth image of the camera: z, not the distance along the ray; 0, and 65535 of integers, = no measurement. */
 export interface Depth<T = Uint16Array | Float32Array> extends Pixels<T> {
   /**
    * Length of one unit of the stored value: 0.001 for millimetres where lengths are to be metres. A Uint16Array needs it; of a

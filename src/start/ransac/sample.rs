@@ -109,6 +109,6 @@ impl Sampler<'_> {
 }
 
 /// A random index below `count`, which must be less than 2³².
-fn below(rng: &mut ChaCha8Rng, count: usize) -> usize {
+pub(crate) fn below(rng: &mut ChaCha8Rng, count: usize) -> usize {
     ((u64::from(rng.next_u32()) * count as u64) >> 32) as usize
 }

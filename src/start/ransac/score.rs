@@ -2,12 +2,12 @@
 
 use super::{Candidate, Check, cancelled};
 use crate::error::{Result, unless_cancelled};
-use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame};
+use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame, Plane};
 use crate::memory::List;
 use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
 use crate::solver::{Domain, IterationLimits, minimise};
 use crate::statistics::{median_point, median_size};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 /// Threshold of the first part of the local optimisation, in units of the final one: wide enough for the
 /// error of a hypothesis from few noisy points.
@@ -161,7 +161,7 @@ impl Scorer<'_> {
     /// Whether a plane through most of the inliers explains as many points, where no limit keeps the radius from
     /// running away.
     pub fn is_flat(&self, cylinder: &Cylinder) -> bool {
-        self.is_plane(cylinder, |inliers| Plane::through(inliers.iter()))
+        self.is_plane(cylinder, |inliers| Plane::nearest(inliers.iter()))
     }
 
     /// The same by the plane that touches the cylinder at the median of the inliers: where some of them are far away, on the other
@@ -187,7 +187,7 @@ impl Scorer<'_> {
         for _ in 0..PLANE_ROUNDS {
             near.clear();
             near.extend(inliers.iter().filter(|p| plane.distance(p) < self.threshold));
-            let Some(next) = Plane::through(near.iter()) else { return false };
+            let Some(next) = Plane::nearest(near.iter()) else { return false };
             plane = next;
         }
         let across = cylinder.axis.direction.cross(&plane.normal);
@@ -234,35 +234,5 @@ impl Objective for Scorer<'_> {
         (radius > 0.0 && radius.is_finite())
             .then(|| self.term.cost(frame, self.loss(&frame.cylinder)))
             .filter(|cost| cost.is_finite())
-    }
-}
-
-/// The plane that lies nearest to some points.
-struct Plane {
-    point: Vector3<f64>,
-    normal: Vector3<f64>,
-    covariance: Matrix3<f64>,
-}
-
-impl Plane {
-    /// Across the direction from the axis of a cylinder to a point, through the point.
-    fn tangent(cylinder: &Cylinder, point: Vector3<f64>) -> Self {
-        let normal = (point - cylinder.axis.nearest_to(&point)).normalize();
-        Self { point, normal, covariance: Matrix3::zeros() }
-    }
-
-    /// `None` for no points.
-    fn through<'a>(points: impl Iterator<Item = &'a Vector3<f64>> + Clone) -> Option<Self> {
-        let count = points.clone().count() as f64;
-        let point = points.clone().sum::<Vector3<f64>>() / count;
-        let square = |p: &Vector3<f64>| (p - point) * (p - point).transpose();
-        let covariance = points.map(square).sum::<Matrix3<f64>>() / count;
-        let eigen = (count > 0.0).then(|| covariance.symmetric_eigen())?;
-        let normal = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
-        Some(Self { point, normal, covariance })
-    }
-
-    fn distance(&self, p: &Vector3<f64>) -> f64 {
-        (p - self.point).dot(&self.normal).abs()
     }
 }

@@ -39,8 +39,8 @@ def fit(
 ) -> Result:
     """Fits the cylinder in a frame. For several views see :class:`Fitter`.
 
-    :param depth: rows x columns of uint16 or float32 (float64 is converted), z = value * ``depth_scale``; 0 = not
-        measured
+    :param depth: rows x columns of uint16 or float32 (float64 is converted), z = value * ``depth_scale``; 0, and
+        65535 of uint16, = not measured
     :param depth_scale: the length of one unit of depth: 0.001 for millimetres where lengths are to be metres; 1 for float
         depth where it is left out, and needed for uint16
     :param intrinsics: the camera: :class:`Intrinsics`, or the 3 x 3 camera matrix of a pinhole

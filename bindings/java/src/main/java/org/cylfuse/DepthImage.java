@@ -23,7 +23,7 @@ public final class DepthImage {
     /**
      * An image in an array.
      *
-     * @param depth the pixels row by row; unsigned, 0 = no measurement
+     * @param depth the pixels row by row; unsigned, 0 and 65535 (too far) = no measurement
      * @param width columns; must be those of the intrinsics
      * @param height rows; must be those of the intrinsics
      * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of
@@ -53,7 +53,7 @@ public final class DepthImage {
     /**
      * An image somewhere in a buffer, from its position to its limit.
      *
-     * @param data the buffer; unsigned, 0 = no measurement
+     * @param data the buffer; unsigned, 0 and 65535 (too far) = no measurement
      * @param width columns; must be those of the intrinsics
      * @param height rows; must be those of the intrinsics
      * @param scale length of one unit of the stored value, greater than 0: 0.001 for millimetres when the unit of

@@ -1,0 +1,251 @@
+//! The bodies among the points of a view: what a search finds, and what lies beside a plane.
+
+use super::body::limits_in;
+use super::plane_beside::PlaneBeside;
+use super::run::Run;
+use super::view::View;
+use super::{Fitted, Fitter, Flags, MadeWith, Options, StartKind};
+use crate::detection::{
+    Detection, DetectionOptions, Looks, detect_points_until, grown, is_round, least_before_fit, reach_of,
+    widened,
+};
+use crate::error::{Result, unless_cancelled};
+use crate::geometry::Cylinder;
+use crate::memory::List;
+use crate::observations::{ENOUGH, PointsView, spread};
+use crate::residuals::TUKEY_EFFICIENT;
+use crate::statistics::median_size;
+use nalgebra::Vector3;
+use std::cell::RefCell;
+use std::time::Instant;
+
+constants! {
+    /// The points of a body contradict a cylinder that is so many squared standard deviations away: 3 of one number, for five.
+    CONTRADICTION = 18.2, "σ²";
+
+    /// They scatter about that by so many times what is left of them, in the median, at least.
+    FARTHER = 1.05, "";
+
+    /// Where this part of the points is within `NEAR_FIRST` radii of the first cylinder, and the other part of those beyond a body
+    /// within `NEAR_BODY` radii of that, all are one body that is no cylinder, such as an oval one.
+    OF_FIRST = 0.8, "";
+    NEAR_FIRST = 0.15, "radius";
+    BESIDE_BODY = 0.5, "";
+    NEAR_BODY = 0.25, "radius";
+}
+
+/// Cylinders of one look that are fitted, at most: the body that is meant has many of the points.
+const MOST_OF_LOOK: usize = 3;
+
+/// Fewer points tell neither bodies nor background.
+pub(super) const FEWEST: usize = 50;
+
+/// One body among the points of a view.
+pub(super) struct Body {
+    pub fit: Fitted,
+    /// Its points, by their numbers.
+    pub points: List<usize>,
+    /// The probability that it is a cylinder, by the search; 1 where that was not asked.
+    score: f64,
+    /// What it was found beside.
+    plane: Option<PlaneBeside>,
+}
+
+impl Fitter {
+    /// The body that a search finds among the points, a likely one with the most of them.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
+    pub(super) fn likely_body(
+        &self,
+        view: &View,
+        run: &mut Run<'_>,
+        clock: &Instant,
+    ) -> Result<Option<Body>> {
+        // Of very many a part tells where the body is.
+        let chosen = spread(view.cloud.len(), ENOUGH);
+        let points: List<[f64; 3]> = chosen.iter().map(|&k| view.cloud.point(k).into()).collect();
+        let points = PointsView::from_f64(&points);
+        let default = DetectionOptions::default();
+        let limits = widened(&limits_in(view, &self.options));
+        let min_score = least_before_fit(default.min_score, false);
+        let search = DetectionOptions { limits, min_score, ..default };
+        let mut looks = Looks::default();
+        let mut best: Option<Body> = None;
+        let worth = |body: &Body| body.score * weight(view, body.points.iter().copied());
+        loop {
+            let asked = RefCell::new(&mut *run);
+            let stopped = || asked.borrow_mut().report_again().is_break();
+            // Limits may be so wide that none are wider: then nothing is found.
+            let seen = unless_cancelled(detect_points_until(&points, &mut looks, &search, &stopped))?;
+            let Ok(Some(seen)) = seen else { break };
+            let whole = seen.whole && chosen.len() == view.cloud.len();
+            for (detection, label) in seen.cylinders.iter().zip(1..).take(MOST_OF_LOOK) {
+                let numbered = seen.labels.iter().zip(0..).filter(|(of, _)| **of == label);
+                let region = numbered.map(|(_, k)| chosen[looks.given(looks.in_all(k))]).collect();
+                let body = self.body_of(view, region, (detection, whole), run, clock)?;
+                let is_better = |body: &Body| best.as_ref().is_none_or(|best| worth(body) > worth(best));
+                if body.as_ref().is_some_and(is_better) {
+                    best = body;
+                }
+            }
+            let is_likely = best.as_ref().is_some_and(Body::is_likely);
+            if is_likely || !looks.go_on(false, false) || !looks.at_all() {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// The body of a region that was found, grown over all points unless it has `whole` of it; `None` where that is not round.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
+    fn body_of(
+        &self,
+        view: &View,
+        mut region: List<usize>,
+        (detection, whole): (&Detection, bool),
+        run: &mut Run<'_>,
+        clock: &Instant,
+    ) -> Result<Option<Body>> {
+        let place = |&k: &usize| view.cloud.point(k);
+        let fit = |region: &[usize], cylinder: &Cylinder, run: &mut Run<'_>| {
+            unless_cancelled(self.fit_of_points(view, region, Some(cylinder), run, clock)).map(Result::ok)
+        };
+        let Some(mut fitted) = fit(&region, &detection.cylinder, run)? else { return Ok(None) };
+        let into_view = view.pose().inverse();
+        if !whole {
+            let cylinder = into_view.cylinder(&fitted.1.cylinder);
+            let reach = reach_of(&cylinder, region.iter().map(place));
+            let all = (0..).zip(view.cloud.points());
+            let grown = grown(&cylinder, reach, region.iter().map(place), all);
+            let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
+            let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
+            // What else lies near the surface draws the fit away.
+            if let Some(again) = again.filter(|again| !contradict(&fitted, again)) {
+                (region, fitted) = (grown, again);
+            }
+        }
+        let cylinder = into_view.cylinder(&fitted.1.cylinder);
+        let is_one =
+            !fitted.1.flags.contains(Flags::POOR_FIT) && is_round(&cylinder, region.iter().map(place));
+        Ok(is_one.then_some(Body { fit: fitted, points: region, score: detection.score, plane: None }))
+    }
+
+    /// The body beside a plane that a quarter of the points lie on, and scatter less about it than about the first cylinder.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
+    pub(super) fn body_beside_plane(
+        &self,
+        view: &View,
+        first: &Fitted,
+        run: &mut Run<'_>,
+        clock: &Instant,
+    ) -> Result<Option<Body>> {
+        let some = spread(view.cloud.len(), ENOUGH);
+        let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(k)).collect();
+        let Some(plane) = PlaneBeside::among(&some, first.1.point_scale) else { return Ok(None) };
+        let points: List<usize> =
+            (0..view.cloud.len()).filter(|&k| !plane.holds(&view.cloud.point(k))).collect();
+        if points.len() < FEWEST {
+            return Ok(None);
+        }
+        let fit = unless_cancelled(self.fit_of_points(view, &points, None, run, clock))?;
+        let is_told = |fit: &Fitted| !fit.1.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS);
+        let body = |fit| Body { fit, points, score: 1.0, plane: Some(plane) };
+        Ok(fit.ok().filter(is_told).map(body))
+    }
+
+    /// The fit to some points of a view, from a cylinder in its coordinates where one is known.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
+    pub(super) fn fit_of_points(
+        &self,
+        view: &View,
+        points: &[usize],
+        cylinder: Option<&Cylinder>,
+        run: &mut Run<'_>,
+        clock: &Instant,
+    ) -> Result<Fitted> {
+        let mut body = view.with_points(view.cloud.listed(points), None);
+        body.is_body = true;
+        let start = if cylinder.is_some() { StartKind::Model } else { StartKind::Auto };
+        let fitter = Self {
+            options: Options { start, ..self.options },
+            start: cylinder.map(|cylinder| view.pose().cylinder(cylinder)),
+            views: vec![body.clone()],
+            ..Self::default()
+        };
+        let (made_with, result, last) = fitter.fit_views(List::new(), run, clock)?;
+        Ok((MadeWith { bodies: std::iter::once(Some(body)).collect(), ..made_with }, result, last))
+    }
+}
+
+/// Which points of a view lie on the cylinder of a fit.
+pub(super) struct On<'a> {
+    view: &'a View,
+    cylinder: Cylinder,
+    reach: f64,
+}
+
+impl<'a> On<'a> {
+    pub fn new(view: &'a View, (_, fit, _): &Fitted) -> Self {
+        let cylinder = view.pose().inverse().cylinder(&fit.cylinder);
+        Self { view, cylinder, reach: TUKEY_EFFICIENT * fit.point_scale }
+    }
+
+    pub fn holds(&self, index: usize) -> bool {
+        self.cylinder.distance(&self.view.cloud.point(index)).abs() <= self.reach
+    }
+}
+
+/// The weight of points, as a part of that of all points of the view.
+pub(super) fn weight(view: &View, points: impl Iterator<Item = usize>) -> f64 {
+    let of = |k: usize| view.cloud.weight(k);
+    points.map(of).sum::<f64>() / (0..view.cloud.len()).map(of).sum::<f64>()
+}
+
+/// Whether the points of a fit contradict the cylinder of another one.
+fn contradict((_, fit, _): &Fitted, (_, other, _): &Fitted) -> bool {
+    let stated = fit.uncertainty.as_ref();
+    stated.is_some_and(|stated| stated.squared_distance(&other.cylinder) > CONTRADICTION.get())
+}
+
+impl Body {
+    /// Whether the search would return it.
+    pub fn is_likely(&self) -> bool {
+        self.score >= DetectionOptions::default().min_score
+    }
+
+    /// Whether its points contradict a first fit to all points of the view, and those beyond it belong to something else.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
+    pub fn contradicts(&self, first: &Fitted, view: &View) -> bool {
+        let into_view = view.pose().inverse();
+        let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
+        let scatter =
+            |of: &Cylinder| median_size(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
+        if !contradict(&self.fit, first) || scatter(&first_cylinder) <= FARTHER.get() * scatter(&cylinder) {
+            return false;
+        }
+        // What a plane explains better is no part of the first cylinder.
+        let is_plane = |plane: &PlaneBeside| {
+            let own = || view.cloud.points().filter(|point| plane.holds(point));
+            plane.median_distance(own()) < median_size(own().map(|point| first_cylinder.distance(&point)))
+        };
+        let plane = self.plane.filter(is_plane);
+        let mut beyond = List::filled(true, view.cloud.len());
+        self.points.iter().for_each(|&k| beyond[k] = false);
+        let reach = TUKEY_EFFICIENT * self.fit.1.point_scale;
+        // All points near the first cylinder; those beyond the body, that are near it, that lie on the first cylinder.
+        let [mut all, mut of_first, mut others, mut of_body, mut on_first] = [0.0; 5];
+        for (k, point) in view.cloud.points().enumerate() {
+            let weight = view.cloud.weight(k);
+            let [from_first, from_body] =
+                [&first_cylinder, &cylinder].map(|cylinder| cylinder.distance(&point).abs());
+            let within = |is_within: bool| if is_within { weight } else { 0.0 };
+            all += weight;
+            of_first += within(from_first <= NEAR_FIRST.get() * first_cylinder.radius);
+            others += within(beyond[k]);
+            of_body += within(beyond[k] && from_body <= NEAR_BODY.get() * cylinder.radius);
+            let is_of_plane = plane.is_some_and(|plane| plane.holds(&point));
+            on_first += within(beyond[k] && from_first <= reach && !is_of_plane);
+        }
+        let is_one = of_first >= OF_FIRST.get() * all && of_body >= BESIDE_BODY.get() * others;
+        !is_one && all - others > on_first
+    }
+}
