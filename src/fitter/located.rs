@@ -29,6 +29,9 @@ const BENT: f64 = 0.5;
 /// limb: between the cameras of recorded frames up to 3.2 are seen. One line that is not the limb would turn against the other.
 const MOST_SHIFTED: f64 = 4.5;
 
+/// Where two lines are shifted alike, what they say of the radius differs from the points by this part of the shift at most.
+const SHIFTED: f64 = 0.5;
+
 /// What a shift of one leaves in the scale of the residuals, where both limbs hold the axis: points that are even across have a
 /// median sine of a half.
 const LEFT_OF_SHIFT: f64 = 0.5 * DEVIATION_OF_MEDIAN;
@@ -70,7 +73,7 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
     if lines.iter().any(|lines| lines[0].is_some() && lines[1].is_some()) {
         let shift = || match data.lines_turn(&observations, &guided.minimum) {
             true => 0.0,
-            false => left_of_shift(data, guided.minimum.cylinder()),
+            false => left_of_shift(data, &observations, guided.minimum.cylinder()),
         };
         fit = fit_to(data, guided, &lines, shift, run)?;
         if fit.is_none() {
@@ -143,6 +146,9 @@ fn observe_view(
         Ok((seen, beside))
     };
     let (mut seen, mut beside) = located([REACH_DEVIATIONS * deviation; 2])?;
+    if beside.contains(&true) && view.is_shifted(&seen.limbs, &view.seen(cylinder)) {
+        beside = [false; 2];
+    }
     if beside.contains(&true) {
         // What is far from the mask had the clearer edge: the limb may be nearer.
         let reach = |beside| if beside { BESIDE } else { REACH_DEVIATIONS };
@@ -179,13 +185,30 @@ pub(super) fn lines_of_view(view: &ViewData<'_>, observations: &[LimbObservation
     })
 }
 
+impl ViewData<'_> {
+    /// Whether both lines lie beside the limbs of a cylinder of the points, in the coordinates of the view, by a pixel of the drawing at
+    /// least and in the same direction: a shift between depth and image does that, and other edges rarely do.
+    fn is_shifted(&self, limbs: &[LimbObservation; 2], cylinder: &Cylinder) -> bool {
+        // To the same side of both limbs.
+        let beside = |limb: usize| {
+            let line = limbs[limb].line.as_ref().ok()?;
+            Some(self.camera()?.distances_from_limbs(cylinder, &line.ends)?[limb].mean() / self.noise.pixel)
+        };
+        let (Some(first), Some(second)) = (beside(0), beside(1)) else { return false };
+        let (shift, wider) = ((first + second) / 2.0, (first - second) / 2.0);
+        first.abs().min(second.abs()) >= 1.0
+            && wider.abs() <= SHIFTED * shift.abs()
+            && shift.abs() <= MOST_SHIFTED
+    }
+}
+
 /// What a shift between the depth and the image of a single view may leave in the scale of the residuals. About masks that
-/// were made of depth, which may be too wide or too narrow, other edges contradict the points as much.
-fn left_of_shift(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
-    let [view] = &data.views[..] else { return 0.0 };
-    let Some(camera) = view.camera().filter(|_| view.observed && view.view.mask_is_drawn()) else {
-        return 0.0;
-    };
+/// were made of depth, which may be too wide or too narrow, other edges contradict the points as much: there both lines must be shifted.
+fn left_of_shift(data: &Data<'_>, observations: &Observations, cylinder: &Cylinder) -> f64 {
+    let ([view], [Some(seen)]) = (&data.views[..], &observations[..]) else { return 0.0 };
+    let is_shifted = || view.is_shifted(&seen.limbs, &view.seen(cylinder));
+    let may_be_shifted = view.observed && (view.view.mask_is_drawn() || is_shifted());
+    let Some(camera) = view.camera().filter(|_| may_be_shifted) else { return 0.0 };
     let pixel = camera.pixel_size();
     let distance = view.into_view.point(&cylinder.axis.nearest_to(&data.center)).z;
     LEFT_OF_SHIFT * MOST_SHIFTED * view.noise.pixel * pixel * distance.max(0.0)

@@ -129,6 +129,10 @@ impl DepthImage {
         &self.values[row * self.width..(row + 1) * self.width]
     }
 
+    pub(super) fn values_of_row_mut(&mut self, row: usize) -> &mut [f32] {
+        &mut self.values[row * self.width..(row + 1) * self.width]
+    }
+
     /// The depth z at a pixel that is counted row by row.
     #[inline]
     pub(super) fn depth_at(&self, index: usize) -> Option<f64> {

@@ -15,6 +15,7 @@ mod reduced;
 mod registration;
 mod segments;
 mod size;
+mod sparse;
 mod strided;
 mod views;
 

@@ -234,6 +234,8 @@ impl Detector {
             limited = depth.within(frame.depth_range())?;
             &limited
         };
+        let filled = depth.without_gaps()?;
+        let depth = filled.as_ref().unwrap_or(depth);
         let search = self.search_options(&frame.pose().inverse(), frame.image().is_some());
         detect_until(camera, depth, frame.image(), &search, stopped)
     }

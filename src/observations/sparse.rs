@@ -1,0 +1,127 @@
+//! Depth images of which pixels beside each other are rarely measured both.
+//!
+//! Depth that was measured on a coarser grid and was moved to the image pixel by pixel, by a driver or by hand, leaves holes between
+//! its pixels. What looks at neighbours sees nothing there.
+
+use super::depth::DepthImage;
+use crate::error::Result;
+
+/// The widest spacing that is filled, in pixels.
+const WIDEST: usize = 4;
+
+/// Every so many rows and columns tell the spacing.
+const EVERY: usize = 8;
+
+/// The distance within which half of the measured pixels of some lines have the next one, 1 for a neighbour; `None` where it is more than
+/// [`WIDEST`] or nothing was measured.
+fn spacing<'a>(lines: impl Iterator<Item = &'a [f32]>) -> Option<usize> {
+    let (mut measured, mut next) = (0, [0; WIDEST]);
+    for line in lines {
+        let places = (0..line.len()).filter(|&place| line[place] > 0.0);
+        for place in places {
+            measured += 1;
+            let beyond = line[place + 1..].iter().take(WIDEST);
+            if let Some(step) = beyond.copied().position(|value| value > 0.0) {
+                next[step] += 1;
+            }
+        }
+    }
+    let mut within = 0;
+    let is_half = |count: &usize| {
+        within += count;
+        2 * within >= measured
+    };
+    next.iter().position(is_half).filter(|_| measured > 0).map(|step| step + 1)
+}
+
+/// A line whose pixels without a measurement have the nearest depth of the measured ones that are no farther away than half the spacing.
+fn filled(line: &[f32], spacing: usize) -> impl Iterator<Item = f32> {
+    let (before, after) = (spacing / 2, (spacing - 1) / 2);
+    line.iter().enumerate().map(move |(place, &value)| {
+        if value > 0.0 {
+            return value;
+        }
+        let near = &line[place.saturating_sub(before)..(place + after + 1).min(line.len())];
+        near.iter().copied().filter(|value| *value > 0.0).reduce(f32::min).unwrap_or(0.0)
+    })
+}
+
+impl DepthImage {
+    /// The image with the holes filled that a coarser grid leaves, by the nearest depth beside them; `None` where there are no such holes.
+    ///
+    /// # Errors
+    /// `OutOfMemory`.
+    pub(crate) fn without_gaps(&self) -> Result<Option<Self>> {
+        let (width, height) = self.size();
+        let rows = (0..height).step_by(EVERY).map(|row| self.values_of_row(row));
+        let columns: Vec<Vec<f32>> = (0..width).step_by(EVERY).map(|column| self.column(column)).collect();
+        let across = spacing(rows);
+        let down = spacing(columns.iter().map(Vec::as_slice));
+        let (Some(across), Some(down)) = (across, down) else { return Ok(None) };
+        if across == 1 && down == 1 {
+            return Ok(None);
+        }
+        let mut image = Self::empty(width, height, self.scale())?;
+        for row in 0..height {
+            let values = filled(self.values_of_row(row), across);
+            image.values_of_row_mut(row).iter_mut().zip(values).for_each(|(to, value)| *to = value);
+        }
+        for column in 0..width {
+            let values: Vec<f32> = filled(&image.column(column), down).collect();
+            values
+                .into_iter()
+                .enumerate()
+                .for_each(|(row, value)| image.values_of_row_mut(row)[column] = value);
+        }
+        Ok(Some(image))
+    }
+
+    fn column(&self, column: usize) -> Vec<f32> {
+        (0..self.height()).map(|row| self.values_of_row(row)[column]).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observations::DepthView;
+
+    /// 60 × 40 pixels, one in `across` × `down` of them measured, at a depth of its column.
+    fn image(across: usize, down: usize) -> DepthImage {
+        let pixel = |k: usize| match (k % 60 % across, k / 60 % down) {
+            (0, 0) => 1000 + (k % 60) as u16,
+            _ => 0,
+        };
+        let pixels: Vec<u16> = (0..60 * 40).map(pixel).collect();
+        DepthImage::copy(&DepthView::from_u16(&pixels, (60, 40), 1.0).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn gaps_are_filled_with_the_depth_beside_them() {
+        for (across, down) in [(2, 2), (3, 3), (4, 4), (1, 2), (3, 1)] {
+            let filled = image(across, down).without_gaps().unwrap().unwrap();
+            for (row, column) in
+                (0..40 - 2 * down).flat_map(|row| (0..60 - 2 * across).map(move |column| (row, column)))
+            {
+                let depth = filled.depth(column, row).unwrap();
+                assert!(
+                    (depth - 1000.0 - column as f64).abs() <= across as f64 / 2.0,
+                    "{across} {down}: {column} {row} {depth}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn images_without_gaps_or_with_wide_ones_stay() {
+        assert!(image(1, 1).without_gaps().unwrap().is_none());
+        assert!(image(5, 5).without_gaps().unwrap().is_none());
+        assert!(image(100, 100).without_gaps().unwrap().is_none());
+    }
+
+    #[test]
+    fn the_nearest_of_the_depths_beside_a_gap_fills_it() {
+        let filled: Vec<f32> = filled(&[2.0, 0.0, 1.0, 0.0, 0.0, 3.0], 3).collect();
+        assert_eq!(filled, [2.0, 1.0, 1.0, 1.0, 3.0, 3.0]);
+    }
+}
