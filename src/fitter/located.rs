@@ -194,6 +194,10 @@ impl ViewData<'_> {
             let line = limbs[limb].line.as_ref().ok()?;
             Some(self.camera()?.distances_from_limbs(cylinder, &line.ends)?[limb].mean() / self.noise.pixel)
         };
+        // The outline of points ends anywhere.
+        if self.view.mask_of_points {
+            return false;
+        }
         let (Some(first), Some(second)) = (beside(0), beside(1)) else { return false };
         let (shift, wider) = ((first + second) / 2.0, (first - second) / 2.0);
         first.abs().min(second.abs()) >= 1.0

@@ -33,6 +33,9 @@ constants! {
     FLATTER = 0.5, "";
 }
 
+/// A body beside planes has this part of the points at least: in a whole scene it may be any of what is there.
+const LEAST_ON: f64 = 0.25;
+
 /// Planes that cross the body or touch it, at most.
 const MOST_PLANES: usize = 3;
 
@@ -103,7 +106,8 @@ impl Fitter {
         let is_on_plane = |&k: &usize| planes.iter().any(|plane| plane.holds(&view.cloud.point(k)));
         let on_planes = weight(view, (0..view.cloud.len()).filter(is_on_plane));
         // Most of the points that are on no plane are not on the cylinder either.
-        let is_little = is_chosen && weight(view, points.iter().copied()) < 0.5 * (1.0 - on_planes);
+        let on_body = weight(view, points.iter().copied());
+        let is_little = is_chosen && (on_body < 0.5 * (1.0 - on_planes) || on_body < LEAST_ON);
         let some = spread(points.len(), ENOUGH);
         let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(points[k])).collect();
         // A part of a cylinder is nowhere flatter than round.

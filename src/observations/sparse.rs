@@ -13,17 +13,16 @@ const WIDEST: usize = 4;
 const EVERY: usize = 8;
 
 /// The distance within which half of the measured pixels of some lines have the next one, 1 for a neighbour; `None` where it is more than
-/// [`WIDEST`] or nothing was measured.
-fn spacing<'a>(lines: impl Iterator<Item = &'a [f32]>) -> Option<usize> {
+/// [`WIDEST`] or nothing was measured. A line has its values by their places.
+fn spacing<'a>(lines: impl Iterator<Item = impl Iterator<Item = &'a f32>>) -> Option<usize> {
     let (mut measured, mut next) = (0, [0; WIDEST]);
     for line in lines {
-        let places = (0..line.len()).filter(|&place| line[place] > 0.0);
-        for place in places {
+        let mut last = None;
+        let places = line.enumerate().filter(|(_, value)| **value > 0.0);
+        for (place, _) in places {
             measured += 1;
-            let beyond = line[place + 1..].iter().take(WIDEST);
-            if let Some(step) = beyond.copied().position(|value| value > 0.0) {
-                next[step] += 1;
-            }
+            let count = last.replace(place).and_then(|last| next.get_mut(place - last - 1));
+            count.into_iter().for_each(|count| *count += 1);
         }
     }
     let mut within = 0;
@@ -53,10 +52,10 @@ impl DepthImage {
     /// `OutOfMemory`.
     pub(crate) fn without_gaps(&self) -> Result<Option<Self>> {
         let (width, height) = self.size();
-        let rows = (0..height).step_by(EVERY).map(|row| self.values_of_row(row));
-        let columns: Vec<Vec<f32>> = (0..width).step_by(EVERY).map(|column| self.column(column)).collect();
-        let across = spacing(rows);
-        let down = spacing(columns.iter().map(Vec::as_slice));
+        let rows = (0..height).step_by(EVERY).map(|row| self.values_of_row(row).iter());
+        let column = |column: usize| (0..height).map(move |row| &self.values_of_row(row)[column]);
+        let columns = (0..width).step_by(EVERY).map(column);
+        let (across, down) = (spacing(rows), spacing(columns));
         let (Some(across), Some(down)) = (across, down) else { return Ok(None) };
         if across == 1 && down == 1 {
             return Ok(None);
@@ -66,18 +65,14 @@ impl DepthImage {
             let values = filled(self.values_of_row(row), across);
             image.values_of_row_mut(row).iter_mut().zip(values).for_each(|(to, value)| *to = value);
         }
+        let mut before = Vec::with_capacity(height);
         for column in 0..width {
-            let values: Vec<f32> = filled(&image.column(column), down).collect();
-            values
-                .into_iter()
-                .enumerate()
-                .for_each(|(row, value)| image.values_of_row_mut(row)[column] = value);
+            before.clear();
+            before.extend((0..height).map(|row| image.values_of_row(row)[column]));
+            let values = filled(&before, down).enumerate();
+            values.for_each(|(row, value)| image.values_of_row_mut(row)[column] = value);
         }
         Ok(Some(image))
-    }
-
-    fn column(&self, column: usize) -> Vec<f32> {
-        (0..self.height()).map(|row| self.values_of_row(row)[column]).collect()
     }
 }
 
