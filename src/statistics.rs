@@ -342,6 +342,13 @@ impl WithSimd for Between<'_> {
     }
 }
 
+/// A random number between −1 and 1.
+#[cfg(test)]
+pub(crate) fn random_number(rng: &mut rand_chacha::ChaCha8Rng) -> f64 {
+    use rand_chacha::rand_core::Rng;
+    f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -161,13 +161,9 @@ mod tests {
     use super::*;
     use crate::fitter::Fitter;
     use crate::observations::PointsView;
+    use crate::statistics::random_number as number;
     use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{Rng, SeedableRng};
-
-    /// A number between −1 and 1.
-    fn number(rng: &mut ChaCha8Rng) -> f64 {
-        f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
-    }
+    use rand_chacha::rand_core::SeedableRng;
 
     /// Points on an arc of a cylinder of radius 1, with noise, and outliers in a box about it.
     fn points(seed: u64, arc: f64, count: usize, outliers: usize) -> Vec<[f64; 3]> {

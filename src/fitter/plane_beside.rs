@@ -74,12 +74,7 @@ impl PlaneBeside {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand_chacha::rand_core::Rng;
-
-    /// A number between −1 and 1.
-    fn number(rng: &mut ChaCha8Rng) -> f64 {
-        f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
-    }
+    use crate::statistics::random_number as number;
 
     /// Some points of the plane x = 1, with noise of a uniform distribution, and others in a cube.
     fn points(on_plane: usize, noise: f64, others: usize) -> Vec<Vector3<f64>> {

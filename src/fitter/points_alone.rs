@@ -191,15 +191,11 @@ mod tests {
     use crate::fitter::Options;
     use crate::geometry::{AxisCone, CylinderLimits, RigidMotion, any_orthogonal};
     use crate::observations::PointsView;
+    use crate::statistics::random_number as number;
     use nalgebra::Matrix3;
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
     use std::ops::ControlFlow;
-
-    /// A number between −1 and 1.
-    fn number(rng: &mut ChaCha8Rng) -> f64 {
-        f64::from(rng.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0
-    }
 
     /// 1,500 points on an arc of a cylinder of radius 1 about z, seen from the origin, with noise.
     fn arc(seed: u64, degrees: f64) -> Vec<[f64; 3]> {

@@ -9,8 +9,8 @@ use crate::error::Result;
 /// The widest spacing that is filled, in pixels.
 const WIDEST: usize = 4;
 
-/// Every so many rows and columns tell the spacing.
-const EVERY: usize = 8;
+/// Every so many rows and columns tell the spacing: no multiple of any that is filled, or all of them may lie in the gaps.
+const EVERY: usize = 7;
 
 /// The distance within which half of the measured pixels of some lines have the next one, 1 for a neighbour; `None` where it is more than
 /// [`WIDEST`] or nothing was measured. A line has its values by their places.
@@ -104,6 +104,17 @@ mod tests {
                     "{across} {down}: {column} {row} {depth}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn gaps_are_told_wherever_the_grid_begins() {
+        for (spacing, first) in [(2, 1), (3, 1), (3, 2), (4, 1), (4, 2), (4, 3)] {
+            let is_measured = |k: usize| k % spacing == first;
+            let pixel = |k: usize| u16::from(is_measured(k % 60) && is_measured(k / 60));
+            let pixels: Vec<u16> = (0..60 * 40).map(pixel).collect();
+            let image = DepthImage::copy(&DepthView::from_u16(&pixels, (60, 40), 1.0).unwrap()).unwrap();
+            assert!(image.without_gaps().unwrap().is_some(), "{spacing} {first}");
         }
     }
 
