@@ -6,6 +6,7 @@
 mod contests;
 mod fits;
 mod labels;
+mod regions;
 mod results;
 mod work;
 
