@@ -1,5 +1,6 @@
 //! Fits to points alone that may lie on more than one surface, or on none of a cylinder, as a table:
-//! `cargo run --release --example surfaces`; `-- wall flange` those whose names contain one of the words.
+//! `cargo run --release --example surfaces`; `-- wall flange` those whose names contain one of the words. `-- search` in place of fits what a
+//! search of the cloud finds.
 //!
 //! With the feature `sensitivity`, words of names of constants as arguments (`-- points_alone::`) print how the results change when
 //! each of them is 20 % smaller or larger.
@@ -10,7 +11,9 @@ mod parallel;
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use cylfuse::fitter::Flags;
+use cylfuse::fitter::{FitResult, Flags, Uncertainty};
+use cylfuse::observations::PointsView;
+use cylfuse::scene::Detector;
 use nalgebra::{Rotation3, Vector3};
 use parallel::map;
 use std::f64::consts::PI;
@@ -183,6 +186,14 @@ fn kinds() -> Vec<Kind> {
     kinds
 }
 
+/// What is asked of a cloud.
+#[derive(Clone, Copy)]
+enum Measure {
+    Fit,
+    /// The cylinder that a search finds whose radius is best.
+    Search,
+}
+
 /// What a fit to a cloud came to.
 struct Outcome {
     /// Error of the radius and its stated deviation (%); infinite where the fit failed.
@@ -192,13 +203,24 @@ struct Outcome {
 }
 
 impl Outcome {
+    const NONE: Self = Self { error: f64::INFINITY, stated: f64::INFINITY, warned: true };
+
+    fn of(fit: &FitResult) -> Self {
+        let stated = fit.uncertainty.as_ref().map_or(f64::INFINITY, Uncertainty::radius);
+        Self {
+            error: 100.0 * (fit.cylinder.radius - 1.0).abs(),
+            stated: 100.0 * stated,
+            warned: fit.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS | Flags::UNCERTAINTY_UNKNOWN),
+        }
+    }
+
     /// Whether the radius is wrong by three stated deviations, or there is none, and nothing says so.
     fn is_silent(&self, has_body: bool) -> bool {
         !self.warned && (!has_body || self.error > 3.0 * self.stated)
     }
 }
 
-fn outcome(kind: &Kind, seed: u64) -> Outcome {
+fn outcome(kind: &Kind, seed: u64, measure: Measure) -> Outcome {
     let noise = &mut Noise::new(seed);
     let mut points = (kind.make)(noise);
     points.iter_mut().for_each(|point| point.x -= DISTANCE);
@@ -208,22 +230,21 @@ fn outcome(kind: &Kind, seed: u64) -> Outcome {
         points.iter_mut().for_each(|point| *point = turn * *point + shift);
     }
     let points: Vec<[f64; 3]> = points.into_iter().map(Into::into).collect();
-    let Ok(fit) = fitter_with(&points).fit() else {
-        return Outcome { error: f64::INFINITY, stated: f64::INFINITY, warned: true };
-    };
-    let stated = fit.uncertainty.as_ref().map_or(f64::INFINITY, cylfuse::fitter::Uncertainty::radius);
-    Outcome {
-        error: 100.0 * (fit.cylinder.radius - 1.0).abs(),
-        stated: 100.0 * stated,
-        warned: fit.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS | Flags::UNCERTAINTY_UNKNOWN),
+    match measure {
+        Measure::Fit => fitter_with(&points).fit().map_or(Outcome::NONE, |fit| Outcome::of(&fit)),
+        Measure::Search => {
+            let scene = Detector::new().detect_points(&PointsView::from_f64(&points)).unwrap();
+            let found = scene.cylinders.iter().map(|found| Outcome::of(&found.result));
+            found.min_by(|a, b| a.error.total_cmp(&b.error)).unwrap_or(Outcome::NONE)
+        }
     }
 }
 
 /// The outcomes of all clouds of each kind.
-fn outcomes(kinds: &[Kind]) -> Vec<Vec<Outcome>> {
+fn outcomes(kinds: &[Kind], measure: Measure) -> Vec<Vec<Outcome>> {
     let clouds: Vec<(usize, u64)> =
         (0..kinds.len()).flat_map(|k| (0..CLOUDS).map(move |seed| (k, seed))).collect();
-    let mut all = map(&clouds, |&(k, seed)| outcome(&kinds[k], seed)).into_iter();
+    let mut all = map(&clouds, |&(k, seed)| outcome(&kinds[k], seed, measure)).into_iter();
     kinds.iter().map(|_| all.by_ref().take(CLOUDS as usize).collect()).collect()
 }
 
@@ -236,11 +257,11 @@ fn count(outcomes: &[Outcome], is_meant: impl Fn(&Outcome) -> bool) -> usize {
     outcomes.iter().filter(|outcome| is_meant(outcome)).count()
 }
 
-fn print(kinds: &[Kind]) {
+fn print(kinds: &[Kind], measure: Measure) {
     println!("{CLOUDS} clouds of {POINTS} points each.\n");
     println!("| points | E_r median (%) | worst | stated, median (%) | silently wrong | with a warning |");
     println!("|---|---|---|---|---|---|");
-    for (kind, outcomes) in kinds.iter().zip(outcomes(kinds)) {
+    for (kind, outcomes) in kinds.iter().zip(outcomes(kinds, measure)) {
         let errors: Vec<f64> = outcomes.iter().map(|outcome| outcome.error).collect();
         let worst = errors.iter().copied().fold(0.0, f64::max);
         let numbers = match kind.has_body {
@@ -261,7 +282,7 @@ fn print(kinds: &[Kind]) {
 #[cfg(feature = "sensitivity")]
 fn summary(kinds: &[Kind]) -> [f64; 4] {
     let (mut sums, mut bodies) = ([0.0; 4], 0.0);
-    for (kind, outcomes) in kinds.iter().zip(outcomes(kinds)) {
+    for (kind, outcomes) in kinds.iter().zip(outcomes(kinds, Measure::Fit)) {
         let warned = count(&outcomes, |outcome| outcome.warned) as f64;
         sums[1] += count(&outcomes, |outcome| outcome.is_silent(kind.has_body)) as f64;
         sums[if kind.has_body { 2 } else { 3 }] += warned;
@@ -298,12 +319,13 @@ fn print_changes(kinds: &[Kind], words: &[String]) {
 }
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).collect();
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let searches = words.iter().position(|word| word == "search").map(|k| words.remove(k)).is_some();
     let mut kinds = kinds();
     #[cfg(feature = "sensitivity")]
     if !words.is_empty() {
         return print_changes(&kinds, &words);
     }
     kinds.retain(|kind| words.is_empty() || words.iter().any(|word| kind.name.contains(word)));
-    print(&kinds);
+    print(&kinds, if searches { Measure::Search } else { Measure::Fit });
 }

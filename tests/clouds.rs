@@ -120,7 +120,6 @@ fn pipes_in_a_room_are_found_wherever_its_origin_is() {
     }
 }
 
-/// Each look takes what it finds from those after it, in the same order for any number of threads.
 /// In the coordinates of a robot or a map the densities of the points tell from where they were seen, in whatever order they are.
 #[test]
 fn what_a_sensor_saw_shows_the_same_bodies_in_other_coordinates() {
@@ -152,6 +151,27 @@ fn what_a_sensor_saw_shows_the_same_bodies_in_other_coordinates() {
     }
 }
 
+/// A floor on which a pipe lies runs into its surface where they touch.
+#[test]
+fn points_of_a_floor_do_not_draw_a_pipe_that_lies_on_it() {
+    let (radius, half) = (0.1, 0.3);
+    let lying: Pipe = ([0.0, 0.0, radius], [0.0, 1.0, 0.0], radius, half);
+    for seed in 0..5 {
+        let dice = &mut Dice::new(seed);
+        let mut points = pipe((lying.0, lying.1, radius, 4.0 * half), dice);
+        points.iter_mut().for_each(|point| point.y *= 0.25);
+        // The side that two sensors see, down to the floor.
+        points.retain(|point| point.x > 0.25 * radius);
+        points.extend(plane([-0.1, -half, 0.0], [[0.4, 0.0, 0.0], [0.0, 2.0 * half, 0.0]], dice));
+        let scene = detect(&points, 1);
+        let [found] = &scene.cylinders[..] else { panic!("{seed}: {:?}", scene.cylinders) };
+        let stated = found.result.uncertainty.as_ref().unwrap().radius();
+        let off = (found.result.cylinder.radius - radius).abs();
+        assert!(off < 3.0 * stated && stated < 0.003 * radius, "{seed}: {off} {stated}");
+    }
+}
+
+/// Each look takes what it finds from those after it, in the same order for any number of threads.
 #[test]
 fn many_looks_give_the_same_bits_for_any_number_of_threads() {
     let points = room(&mut Dice::new(22));

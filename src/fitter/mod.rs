@@ -55,6 +55,8 @@ pub use conformity::{Conformity, Tolerance};
 pub use describe::{Diagnosis, ResidualKind};
 pub use inputs::Inputs;
 pub use options::{ChartChoice, EdgeUse, ExtentRule, Method, NearWall, ObjectiveKind, Options, StartKind};
+pub(crate) use plane_beside::off_planes;
+pub(crate) use points_alone::is_as_good;
 pub use result::{FitResult, Flags, Seconds};
 pub use taper::Taper;
 pub(crate) use uncertainty::larger_deviation;
@@ -65,7 +67,7 @@ pub(crate) use view::View;
 /// The constants of fits that go on from the last one, and of fits to points alone.
 #[must_use]
 pub fn constants() -> Vec<crate::constant::Constant> {
-    [continued::CONSTANTS, among_points::CONSTANTS, points_alone::CONSTANTS].concat()
+    [continued::CONSTANTS, among_points::CONSTANTS, plane_beside::CONSTANTS, points_alone::CONSTANTS].concat()
 }
 
 use crate::error::{Error, Result, cancelled_if, unless_cancelled};

@@ -4,7 +4,8 @@
 //! it outwards. And a strip of it is a wide cylinder, which explains more points than a body that has fewer than half of them.
 
 use super::among_points::FEWEST;
-use crate::geometry::Plane;
+use crate::error::Result;
+use crate::geometry::{Cylinder, Plane};
 use crate::memory::List;
 use crate::observations::spread;
 use crate::residuals::TUKEY_EFFICIENT;
@@ -26,9 +27,48 @@ const ROUNDS: usize = 4;
 /// Less than this part of the size of the cloud is rounding.
 const ROUNDING: f64 = 1e-7;
 
+/// Planes that cross the body or touch it, at most.
+const MOST_PLANES: usize = 3;
+
+constants! {
+    /// One sensor measures plane and body: their points scatter alike, within this factor.
+    ALIKE = 2.0, "";
+}
+
+/// A fit without the points of planes that touch its cylinder or cross it, what is left of its points, and all planes about it.
+///
+/// Of a fit `surface` gives the cylinder and how far points scatter about it, `around` some of all points near it; `place` is where one
+/// of its own points lies. `refit` makes a fit to fewer of them, or `None` where they lie on a cylinder worse than those of the fit
+/// before.
+pub(crate) fn off_planes<Fit, Number: Copy + Send + 'static>(
+    (mut fit, mut points): (Fit, List<Number>),
+    surface: impl Fn(&Fit) -> (Cylinder, f64),
+    place: impl Fn(Number) -> Vector3<f64>,
+    around: impl Fn(&Fit) -> List<Vector3<f64>>,
+    mut refit: impl FnMut(&Fit, &[Number]) -> Result<Option<Fit>>,
+) -> Result<(Fit, List<Number>, List<PlaneBeside>)> {
+    let mut planes: List<PlaneBeside> = List::new();
+    for _ in 0..MOST_PLANES {
+        let (cylinder, scale) = surface(&fit);
+        let is_on = |point: &Vector3<f64>| cylinder.distance(point).abs() <= TUKEY_EFFICIENT * scale;
+        let mut beyond = around(&fit);
+        beyond.retain(|point| !is_on(point) && !planes.iter().any(|plane| plane.holds(point)));
+        let Some(plane) = PlaneBeside::among(&beyond, ALIKE.get() * scale) else { break };
+        let is_on_both = |point: Vector3<f64>| is_on(&point) && plane.holds(&point);
+        if points.iter().any(|&number| is_on_both(place(number))) {
+            let is_beside = |&number: &Number| !plane.holds(&place(number));
+            let rest: List<Number> = points.iter().copied().filter(is_beside).collect();
+            let Some(again) = refit(&fit, &rest)? else { break };
+            (fit, points) = (again, rest);
+        }
+        planes.push(plane);
+    }
+    Ok((fit, points, planes))
+}
+
 /// A plane with the noise of its points.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct PlaneBeside {
+pub(crate) struct PlaneBeside {
     plane: Plane,
     scale: f64,
 }

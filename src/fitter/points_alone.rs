@@ -3,10 +3,11 @@
 
 use super::among_points::{Body, FEWEST, On, weight};
 use super::background::Surface;
-use super::plane_beside::PlaneBeside;
+use super::fit::AS_WELL;
+use super::plane_beside::{PlaneBeside, off_planes};
 use super::run::Run;
 use super::view::View;
-use super::{Fitted, Fitter, Flags, StartKind};
+use super::{FitResult, Fitted, Fitter, Flags, StartKind};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::memory::List;
 use crate::observations::{ENOUGH, spread};
@@ -16,9 +17,6 @@ use std::time::Instant;
 /// Most fits without points that lie on the cylinder before by chance.
 const ROUNDS_OF_SURFACE: usize = 5;
 
-/// How points scatter about a cylinder is known to some percent.
-const NO_WORSE: f64 = 1.05;
-
 constants! {
     /// Points may lie on more than one surface where this part of them is not on the cylinder,
     ELSEWHERE = 0.05, "";
@@ -26,18 +24,12 @@ constants! {
     /// or where they scatter about it by this part of its radius.
     WIDE = 0.1, "radius";
 
-    /// One sensor measures plane and body: their points scatter alike, within this factor.
-    ALIKE = 2.0, "";
-
     /// Points that a plane holds a quarter of, which scatter about it by this part of their scatter about a cylinder, have flat sides.
     FLATTER = 0.5, "";
 }
 
 /// A body beside planes has this part of the points at least: in a whole scene it may be any of what is there.
 const LEAST_ON: f64 = 0.25;
-
-/// Planes that cross the body or touch it, at most.
-const MOST_PLANES: usize = 3;
 
 impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them, or where that failed.
@@ -124,29 +116,23 @@ impl Fitter {
     fn fit_off_planes(
         &self,
         view: &View,
-        (mut fit, mut points): (Fitted, List<usize>),
+        fit: (Fitted, List<usize>),
         run: &mut Run<'_>,
         clock: &Instant,
     ) -> Result<(Fitted, List<usize>, List<PlaneBeside>)> {
-        let mut planes: List<PlaneBeside> = List::new();
-        for _ in 0..MOST_PLANES {
-            let on = On::new(view, &fit);
-            let is_beyond =
-                |&k: &usize| !on.holds(k) && !planes.iter().any(|plane| plane.holds(&view.cloud.point(k)));
-            let some = spread(view.cloud.len(), ENOUGH).into_iter().filter(is_beyond);
-            let beyond: List<Vector3<f64>> = some.map(|k| view.cloud.point(k)).collect();
-            let Some(plane) = PlaneBeside::among(&beyond, ALIKE.get() * fit.1.point_scale) else { break };
-            let is_on_plane = |k: usize| plane.holds(&view.cloud.point(k));
-            if points.iter().any(|&k| on.holds(k) && is_on_plane(k)) {
-                let rest: List<usize> = points.iter().copied().filter(|&k| !is_on_plane(k)).collect();
-                let cylinder = view.pose().inverse().cylinder(&fit.1.cylinder);
-                let again = unless_cancelled(self.fit_of_points(view, &rest, Some(&cylinder), run, clock))?;
-                let Some(again) = again.ok().filter(|again| is_as_good(&fit, again)) else { break };
-                (fit, points) = (again, rest);
-            }
-            planes.push(plane);
-        }
-        Ok((fit, points, planes))
+        let in_view = |fit: &Fitted| view.pose().inverse().cylinder(&fit.1.cylinder);
+        let some = spread(view.cloud.len(), ENOUGH);
+        let refit = |before: &Fitted, rest: &[usize]| {
+            let again = self.fit_of_points(view, rest, Some(&in_view(before)), run, clock);
+            Ok(unless_cancelled(again)?.ok().filter(|again| is_as_good(&before.1, &again.1)))
+        };
+        off_planes(
+            fit,
+            |fit| (in_view(fit), fit.1.point_scale),
+            |k| view.cloud.point(k),
+            |_| some.iter().map(|&k| view.cloud.point(k)).collect(),
+            refit,
+        )
     }
 
     /// The fits after a first one without points that lie on the cylinder before by chance.
@@ -161,17 +147,17 @@ impl Fitter {
             let Some(surface) = surface.filter(|surface| before != Some(surface.holds)) else { break };
             let drawn = views.clone().map(|view| Some(surface.of(view))).collect();
             let again = unless_cancelled(self.fit_views(drawn, run, clock))?;
-            let Some(again) = again.ok().filter(|again| is_as_good(&fit, again)) else { break };
+            let Some(again) = again.ok().filter(|again| is_as_good(&fit.1, &again.1)) else { break };
             (fit, before) = (again, Some(surface.holds));
         }
         Ok(fit)
     }
 }
 
-/// Whether without background the points lie on the cylinder as well as before at least.
-fn is_as_good((_, before, _): &Fitted, (_, again, _): &Fitted) -> bool {
+/// Whether fewer of the points lie on a cylinder as well as those of a fit before at least.
+pub(crate) fn is_as_good(before: &FitResult, again: &FitResult) -> bool {
     let poor = [before, again].map(|fit| fit.flags.contains(Flags::POOR_FIT));
-    again.point_scale <= NO_WORSE * before.point_scale && poor != [false, true]
+    again.point_scale <= AS_WELL * before.point_scale && poor != [false, true]
 }
 
 /// Whether points may lie on more than one surface, by a first fit to them.

@@ -6,7 +6,7 @@ use super::results::Found;
 use super::work::Share;
 use crate::detection::{Band, Detection, Looks, grown, is_round, reach_of, with_odds_divided};
 use crate::error::{Error, Result};
-use crate::fitter::{FitResult, Fitter, Flags};
+use crate::fitter::{FitResult, Fitter, Flags, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::memory::apart;
 use crate::observations::PointsView;
@@ -31,6 +31,9 @@ const LONG: f64 = 6.0;
 
 /// A region has settled where its points change by this part.
 const SETTLED: f64 = 0.02;
+
+/// A fit: the fitter as it left it, and its result.
+type Fit = (Box<Fitter>, Box<FitResult>);
 
 impl Fits<'_> {
     /// The fit of a region of a cloud; without a share the cylinder that was found. Where a region may be a part of its body it grows
@@ -98,7 +101,10 @@ impl Fits<'_> {
             none.score = 0.0;
             return Ok(none);
         }
-        let (fitter, result) = self.of_region(points, looks, &region, &detection, share)?;
+        let fit = self.of_region(points, looks, &region, &detection, share)?;
+        check(fit.1.iterations)?;
+        let (fitter, result);
+        ((fitter, result), region) = self.off_planes(points, looks, (fit, region), &detection, share)?;
         check(result.iterations)?;
         // The score asks how well all points of the region determine the radius.
         let mut whole = self.fitter()?;
@@ -154,7 +160,7 @@ impl Fits<'_> {
         region: &[u32],
         detection: &Detection,
         share: Option<&Share<'_>>,
-    ) -> Result<(Box<Fitter>, Box<FitResult>)> {
+    ) -> Result<Fit> {
         let fit = |chosen: &[u32]| {
             let mut fitter = self.fitter()?;
             fitter.push_numbered(points, chosen.iter().map(|&k| looks.given(k)))?;
@@ -175,6 +181,45 @@ impl Fits<'_> {
             (fitter, result) = fit(chosen.as_deref().unwrap_or(region))?;
         }
         Ok((fitter, result))
+    }
+
+    /// A fit without points of planes that touch the body or cross it, such as a floor on which it lies, and what is left of its region.
+    /// Where a sensor that draws points out next to limbs has seen the cloud, these errors outweigh such points.
+    #[inline(never)] // Frames of ways that are not taken need no stack.
+    fn off_planes(
+        &self,
+        points: &PointsView<'_>,
+        looks: &Looks,
+        (fit, region): (Fit, Vec<u32>),
+        detection: &Detection,
+        share: Option<&Share<'_>>,
+    ) -> Result<(Fit, Vec<u32>)> {
+        if self.seen.seen_from.is_some() || share.is_none() {
+            return Ok((fit, region));
+        }
+        let surface = |(_, result): &Fit| (result.cylinder, result.point_scale);
+        let axis = &fit.1.cylinder.axis;
+        let [first, last] =
+            ends_of(&places_of(looks, &region).map(|point| axis.position_of(&point)).collect::<Vec<f64>>());
+        let around = |(_, result): &Fit| {
+            let cylinder = &result.cylinder;
+            let along = first - cylinder.radius..last + cylinder.radius;
+            // There may be many, for which no memory is kept.
+            let mut near = apart(|| looks.some_near(cylinder, cylinder.radius));
+            near.retain(|point| along.contains(&cylinder.axis.position_of(point)));
+            near
+        };
+        let refit = |before: &Fit, rest: &[u32]| {
+            if rest.len() < FEWEST {
+                return Ok(None);
+            }
+            let seen = Detection { cylinder: before.1.cylinder, pixels: rest.len(), ..*detection };
+            let again = self.of_region(points, looks, rest, &seen, share)?;
+            Ok(is_as_good(&before.1, &again.1).then_some(again))
+        };
+        let own = apart(|| region.iter().copied().collect());
+        let (fit, left, _) = off_planes((fit, own), surface, |k| looks.place(k), around, refit)?;
+        Ok((fit, left.to_vec()))
     }
 
     /// The points of a region, by their numbers, between the parts next to the limbs, which structured light and

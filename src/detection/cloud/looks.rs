@@ -11,7 +11,8 @@ use super::viewpoints::{
 };
 use crate::error::Result;
 use crate::geometry::Cylinder;
-use crate::observations::PointsView;
+use crate::memory::List;
+use crate::observations::{ENOUGH, PointsView, spread};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -143,6 +144,18 @@ impl Looks {
             let usable = order.near(cylinder, reach).filter(|&k| points.is_usable(k));
             usable.map(|k| (k as u32, points.place(k)))
         })
+    }
+
+    /// Points of use within a reach of a surface, and where; of a cloud that was looked at from its origin alone some of them.
+    pub fn some_near(&self, cylinder: &Cylinder, reach: f64) -> List<Vector3<f64>> {
+        let is_near = |point: &Vector3<f64>| cylinder.distance(point).abs() <= reach;
+        match (&self.order, &self.points) {
+            (None, Some(points)) => {
+                let some = spread(points.len(), ENOUGH).into_iter().filter(|&k| points.is_usable(k));
+                some.map(|k| points.place(k)).filter(is_near).collect()
+            }
+            _ => self.near(cylinder, reach).map(|(_, point)| point).filter(is_near).collect(),
+        }
     }
 
     /// Whether many of the points are looked at, and others will be few.
