@@ -128,7 +128,7 @@ pub enum Error {
     NoDepth {
         /// Pixels in the region.
         pixels: usize,
-        /// Pixels with a depth of zero, below zero or not finite.
+        /// Pixels with a depth of zero, below zero or not finite, or of the largest integer.
         missing: usize,
         /// Pixels outside the range of depths.
         out_of_range: usize,

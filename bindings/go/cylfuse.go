@@ -9,8 +9,8 @@
 // right, y down, z forward, with its origin in the centre of projection. Poses lead from camera frames to the reference
 // frame; with one view at the identity, as at first, the two are the same. Pixel centres are at integer coordinates.
 //
-// Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0 or not finite and pixels outside
-// the mask are left out and counted. Anything else that is not finite is an error.
+// Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0, not finite or, as uint16, of 65535,
+// and pixels outside the mask are left out and counted. Anything else that is not finite is an error.
 //
 // Errors. What the library refuses is an *Error with its Status and message; a slice that does not hold what its
 // description says is an ErrShape, raised before the library is called. A call that fails changes nothing. A result

@@ -79,10 +79,10 @@
  * centres are at integer coordinates, as in OpenCV. Ideal pixels are those of a pinhole with the same fx, fy, cx and
  * cy: without distortion those of the image.
  *
- * Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0 or not finite and pixels
- * outside the mask are left out and counted. Anything else that is not finite is an error. All deviations are standard
- * deviations, of the noise of the data; those of a robust fit also have the errors that all points of a view share, as far
- * as depth_shared of the options states them.
+ * Numbers. Points with a coordinate or weight that is not finite, depths of 0, below 0, not finite or, as uint16_t, of
+ * 65535, and pixels outside the mask are left out and counted. Anything else that is not finite is an error. All
+ * deviations are standard deviations, of the noise of the data; those of a robust fit also have the errors that all
+ * points of a view share, as far as depth_shared of the options states them.
  *
  * Threads. Any number of calls that take a const handle may run on it at once; a call that takes a handle that is not
  * const runs alone. What would disturb another call returns BUSY at once instead of waiting. Only
@@ -1171,7 +1171,8 @@ typedef uint32_t cylfuse_result_flags;
  * distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
  * camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
  * Or what they leave has a shape along the axis that no cylinder has, as a bent pipe or a sphere does. Or they lie on two
- * planes, as the sides of a box do.
+ * planes, as the sides of a box do. Or points without a mask lie on several surfaces: the cylinder has less than half
+ * of those that are on no plane or less than a quarter of all, or a plane holds a quarter of its own.
  */
 #define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
 /**

@@ -10,10 +10,9 @@ use super::surface::Surface;
 use super::{caps, parts, planes, row};
 use crate::camera::Camera;
 use crate::error::{Result, cancelled_if};
-use crate::geometry::{AxisCone, Cylinder, CylinderLimits};
+use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
 use crate::observations::{DepthImage, Mask};
-use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 /// How far around a mask is looked at, in cells: what lies beside a body tells whether it ends there, and the noise of
@@ -121,11 +120,5 @@ fn cells_around(
 
 /// Limits within which a rough cylinder is looked for.
 pub(crate) fn widened(limits: &CylinderLimits) -> CylinderLimits {
-    let widened =
-        |cone: AxisCone| AxisCone { max_angle: (cone.max_angle + DIRECTION_ERROR).min(FRAC_PI_2), ..cone };
-    CylinderLimits {
-        radius_min: limits.radius_min / RADIUS_ERROR,
-        radius_max: limits.radius_max * RADIUS_ERROR,
-        axis: limits.axis.map(widened),
-    }
+    limits.widened([1.0 / RADIUS_ERROR, RADIUS_ERROR], DIRECTION_ERROR)
 }

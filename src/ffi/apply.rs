@@ -17,7 +17,7 @@ use crate::error::positive;
 use crate::extent::{Extent, ExtentUncertainty};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
-use crate::observations::{MaskView, Pixels, Scalar};
+use crate::observations::{LARGEST_INTEGER, MaskView, Pixels, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
 const CALL: &str = "completing the points";
@@ -183,9 +183,9 @@ unsafe fn complete(
 /// `at` is writable for three scalars.
 unsafe fn write_point(at: *mut u8, scalar: Scalar, point: &Vector3<f64>) {
     match scalar {
-        // SAFETY: the caller promises room for three scalars; no alignment is assumed.
+        // SAFETY: the caller promises room for three scalars of this type, and the write assumes no alignment.
         Scalar::F32 => unsafe { at.cast::<[f32; 3]>().write_unaligned(point.map(|x| x as f32).into()) },
-        // SAFETY: as above.
+        // SAFETY: the caller promises room for three scalars of this type, and the write assumes no alignment.
         Scalar::F64 => unsafe { at.cast::<[f64; 3]>().write_unaligned((*point).into()) },
     }
 }
@@ -267,7 +267,7 @@ fn stored_depth(format: Pixels, value: f64) -> f64 {
         Pixels::F32 => f64::from(value as f32),
     };
     let largest = match format {
-        Pixels::U16 => f64::from(u16::MAX),
+        Pixels::U16 => f64::from(LARGEST_INTEGER),
         Pixels::F32 => f64::from(f32::MAX),
     };
     if stored <= largest { stored } else { 0.0 }
@@ -277,9 +277,9 @@ fn stored_depth(format: Pixels, value: f64) -> f64 {
 /// `at` is writable for a pixel.
 unsafe fn write_depth(at: *mut u8, format: Pixels, stored: f64) {
     match format {
-        // SAFETY: the caller promises room for a pixel; no alignment is assumed.
+        // SAFETY: the caller promises room for a pixel of this format, and the write assumes no alignment.
         Pixels::U16 => unsafe { at.cast::<u16>().write_unaligned(stored as u16) },
-        // SAFETY: as above.
+        // SAFETY: the caller promises room for a pixel of this format, and the write assumes no alignment.
         Pixels::F32 => unsafe { at.cast::<f32>().write_unaligned(stored as f32) },
     }
 }
@@ -399,7 +399,7 @@ mod tests {
     #[test]
     fn depths_that_do_not_fit_become_zero() {
         let u16 = |value| stored_depth(Pixels::U16, value);
-        assert_eq!([u16(0.4), u16(0.6), u16(65535.4), u16(65535.6)], [0.0, 1.0, 65535.0, 0.0]);
+        assert_eq!([u16(0.4), u16(0.6), u16(65534.4), u16(65534.6)], [0.0, 1.0, 65534.0, 0.0]);
         let f32 = |value| stored_depth(Pixels::F32, value);
         assert_eq!([f32(1e-60), f32(0.5), f32(1e60)], [0.0, 0.5, 0.0]);
     }

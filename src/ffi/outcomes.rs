@@ -278,7 +278,8 @@ impl cylfuse_result_flags {
     /// distance from the camera, and more than three times `depth_noise` of the options where that is set; without a
     /// camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
     /// Or what they leave has a shape along the axis that no cylinder has, as a bent pipe or a sphere does. Or they lie on two
-    /// planes, as the sides of a box do.
+    /// planes, as the sides of a box do. Or points without a mask lie on several surfaces: the cylinder has less than half
+    /// of those that are on no plane or less than a quarter of all, or a plane holds a quarter of its own.
     pub const POOR_FIT: cylfuse_result_flags = cylfuse_result_flags(262144);
     /// The lines that the image shows of both limbs turn against each other, so that the radius changes along the axis: by more
     /// than 3 standard deviations with 0.3 % of the length added for the lens. The body is no cylinder, or one of the lines

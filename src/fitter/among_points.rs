@@ -4,7 +4,7 @@ use super::body::limits_in;
 use super::plane_beside::PlaneBeside;
 use super::run::Run;
 use super::view::View;
-use super::{Fitted, Fitter, Flags, MadeWith, Options, StartKind};
+use super::{FitResult, Fitted, Fitter, Flags, MadeWith, Options, StartKind};
 use crate::detection::{
     Detection, DetectionOptions, Looks, detect_points_until, grown, is_round, least_before_fit, reach_of,
     widened,
@@ -74,9 +74,8 @@ impl Fitter {
         loop {
             let asked = RefCell::new(&mut *run);
             let stopped = || asked.borrow_mut().report_again().is_break();
-            // Limits may be so wide that none are wider: then nothing is found.
-            let seen = unless_cancelled(detect_points_until(&points, &mut looks, &search, &stopped))?;
-            let Ok(Some(seen)) = seen else { break };
+            let seen = detect_points_until(&points, &mut looks, &search, &stopped)?;
+            let Some(seen) = seen else { break };
             let whole = seen.whole && chosen.len() == view.cloud.len();
             for (detection, label) in seen.cylinders.iter().zip(1..).take(MOST_OF_LOOK) {
                 let numbered = seen.labels.iter().zip(0..).filter(|(of, _)| **of == label);
@@ -119,7 +118,7 @@ impl Fitter {
             let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
             let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
             // What else lies near the surface draws the fit away.
-            if let Some(again) = again.filter(|again| !contradict(&fitted, again)) {
+            if let Some(again) = again.filter(|again| !contradict(&fitted.1, &again.1)) {
                 (region, fitted) = (grown, again);
             }
         }
@@ -201,7 +200,7 @@ pub(super) fn weight(view: &View, points: impl Iterator<Item = usize>) -> f64 {
 }
 
 /// Whether the points of a fit contradict the cylinder of another one.
-fn contradict((_, fit, _): &Fitted, (_, other, _): &Fitted) -> bool {
+pub(crate) fn contradict(fit: &FitResult, other: &FitResult) -> bool {
     let stated = fit.uncertainty.as_ref();
     stated.is_some_and(|stated| stated.squared_distance(&other.cylinder) > CONTRADICTION.get())
 }
@@ -219,7 +218,9 @@ impl Body {
         let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
         let scatter =
             |of: &Cylinder| median_size(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
-        if !contradict(&self.fit, first) || scatter(&first_cylinder) <= FARTHER.get() * scatter(&cylinder) {
+        if !contradict(&self.fit.1, &first.1)
+            || scatter(&first_cylinder) <= FARTHER.get() * scatter(&cylinder)
+        {
             return false;
         }
         // What a plane explains better is no part of the first cylinder.

@@ -49,6 +49,7 @@ mod words;
 pub use crate::limb_location::{LimbLine, LimbObservation, LimbSample, NotVisible};
 pub use crate::parts::Part;
 pub use crate::solver::{Iteration, IterationLimits, Rank, Termination};
+pub(crate) use among_points::contradict;
 pub(crate) use batch::each;
 pub use batch::fit_all;
 pub use conformity::{Conformity, Tolerance};

@@ -64,7 +64,8 @@ bitflags::bitflags! {
         /// depth where the caller states it; without a camera, by more than a quarter of the radius. Or what they leave has a shape
         /// along the axis that no cylinder has: that of a pipe that is bent or a sphere, with 2 % of the radius and more
         /// and more than all that is left beside it. Or two planes, as of the sides of a box, leave at most half of the
-        /// variance that a cylinder leaves.
+        /// variance that a cylinder leaves. Or points without a mask lie on several surfaces, and the cylinder has less than half of
+        /// those on no plane or less than a quarter of all, or a plane holds a quarter of its own.
         const POOR_FIT = 1 << 18;
         /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
         /// deviations of [`FitResult::taper`] with 0.3 % of the length added for the lens. The body is no cylinder, or one

@@ -130,6 +130,18 @@ impl CylinderLimits {
         Self { axis: self.axis.map(moved), ..*self }
     }
 
+    /// Wider limits: the radii times two factors, the cone by an angle. Where these were more than limits may be, the same.
+    #[must_use]
+    pub(crate) fn widened(&self, [least, most]: [f64; 2], angle: f64) -> Self {
+        let wider = |cone: AxisCone| AxisCone { max_angle: (cone.max_angle + angle).min(FRAC_PI_2), ..cone };
+        let limits = Self {
+            radius_min: least * self.radius_min,
+            radius_max: most * self.radius_max,
+            axis: self.axis.map(wider),
+        };
+        if limits.check().is_ok() { limits } else { *self }
+    }
+
     /// The cone that limits the axis; `None` where every direction lies in it.
     #[must_use]
     pub fn cone(&self) -> Option<&AxisCone> {

@@ -192,7 +192,10 @@ impl<'a> DepthView<'a> {
     }
 }
 
-/// A depth that is stored as an integer, 0 where that is the largest one: it stands for all that are farther.
+/// The largest depth that 16 bits hold: all of them set stand for what is farther.
+pub(crate) const LARGEST_INTEGER: u16 = u16::MAX - 1;
+
+/// A depth that is stored as an integer, 0 where it is more than the largest.
 #[inline(always)]
 fn of_integer(stored: u16) -> f32 {
     // A comparison would take more instructions.

@@ -303,7 +303,8 @@ impl Detector {
 
     /// The options of the search, for all that may be left when every cylinder is fitted.
     fn search_options(&self, into_camera: &RigidMotion, has_image: bool) -> DetectionOptions {
-        let limits = of_search(&self.options.search.limits, into_camera);
+        let errors = [1.0 - RADIUS_ERROR, 1.0 + RADIUS_ERROR];
+        let limits = self.options.search.limits.moved(into_camera).widened(errors, 0.0);
         let min_score = least_before_fit(self.options.search.min_score, has_image);
         DetectionOptions { limits, max_count: usize::MAX, min_score, ..self.options.search }
     }
@@ -431,18 +432,6 @@ fn unobserved<T>(call: impl FnOnce(&mut Observer<'_>) -> T) -> T {
 /// A radius by depth alone is off by less than this part of it in 94 of 100 cylinders of ../shared/scenes: what the search
 /// finds so near to the limits may turn out to keep them.
 const RADIUS_ERROR: f64 = 0.15;
-
-/// The limits of the search, for those of the cylinders in the frame of reference.
-fn of_search(limits: &CylinderLimits, into_camera: &RigidMotion) -> CylinderLimits {
-    let turned = limits.moved(into_camera);
-    let wider = CylinderLimits {
-        radius_min: limits.radius_min * (1.0 - RADIUS_ERROR),
-        radius_max: limits.radius_max * (1.0 + RADIUS_ERROR),
-        ..turned
-    };
-    // Not beyond what a limit may be.
-    if wider.check().is_ok() { wider } else { turned }
-}
 
 /// Refuses a call for which there is no memory.
 fn check_memory(what: &'static str, pixels: usize) -> Result<()> {

@@ -6,7 +6,7 @@ use super::results::Found;
 use super::work::Share;
 use crate::detection::{Band, Detection, Looks, grown, is_round, reach_of, with_odds_divided};
 use crate::error::{Error, Result};
-use crate::fitter::{FitResult, Fitter, Flags, is_as_good, off_planes};
+use crate::fitter::{FitResult, Fitter, Flags, contradict, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::memory::apart;
 use crate::observations::PointsView;
@@ -28,6 +28,9 @@ const ENOUGH: usize = 10_000;
 
 /// A piece of a body that bends or tapers is at least so many radii long: shorter ones of what is no cylinder may pass for one.
 const LONG: f64 = 6.0;
+
+/// What is nearer to the surface of a body than this part of its radius may belong to it: it may taper, bend or have bark.
+const UNEVEN: f64 = 0.15;
 
 /// A region has settled where its points change by this part.
 const SETTLED: f64 = 0.02;
@@ -206,7 +209,8 @@ impl Fits<'_> {
             let along = first - cylinder.radius..last + cylinder.radius;
             // There may be many, for which no memory is kept.
             let mut near = apart(|| looks.some_near(cylinder, cylinder.radius));
-            near.retain(|point| along.contains(&cylinder.axis.position_of(point)));
+            let is_apart = |point: &Vector3<f64>| cylinder.distance(point).abs() > UNEVEN * cylinder.radius;
+            near.retain(|point| is_apart(point) && along.contains(&cylinder.axis.position_of(point)));
             near
         };
         let refit = |before: &Fit, rest: &[u32]| {
@@ -215,7 +219,7 @@ impl Fits<'_> {
             }
             let seen = Detection { cylinder: before.1.cylinder, pixels: rest.len(), ..*detection };
             let again = self.of_region(points, looks, rest, &seen, share)?;
-            Ok(is_as_good(&before.1, &again.1).then_some(again))
+            Ok((is_as_good(&before.1, &again.1) && contradict(&before.1, &again.1)).then_some(again))
         };
         let own = apart(|| region.iter().copied().collect());
         let (fit, left, _) = off_planes((fit, own), surface, |k| looks.place(k), around, refit)?;
