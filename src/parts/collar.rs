@@ -32,6 +32,9 @@ constants! {
     /// The steps of depth and sides differ by this factor at most.
     AGREEMENT = 2.0, "";
 
+    /// Something narrower that follows the body is so long at least: beside an end depth and masks are rounded.
+    NARROWER = 0.5, "radius";
+
     /// A collar so near to an end closes it.
     BESIDE_END = 0.3, "radius";
 
@@ -58,14 +61,15 @@ pub struct Collar {
     pub radius: f64,
 }
 
-/// The collars of what is seen between the ends that are known. Sights are so many pixels apart.
+/// The collars of what is seen between the ends that are known, and these ends: where the body is followed by something narrower
+/// in line with it, such as the cap of a spray can, it ends there. Sights are so many pixels apart.
 pub(super) fn collars(
     camera: &Camera,
     mask: &Mask,
     (sights, apart): (&[Sight], usize),
     cylinder: &Cylinder,
     ends: [Option<f64>; 2],
-) -> Option<List<Collar>> {
+) -> Option<(List<Collar>, [Option<f64>; 2])> {
     let Cylinder { axis, radius } = cylinder;
     let [low, high] = ends;
     // Beside the rim of a cap depth is rounded.
@@ -81,11 +85,14 @@ pub(super) fn collars(
         .collect();
     let slices = Slices::new(camera, cylinder, apart, &depth)?;
     let depth = Profile::new(&slices, &depth, LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
-    let least = LEAST_STEP.get() * radius;
+    let least = [LEAST_STEP.get() * radius, DEPTH_RATIO.get()];
     let longest = longest(&slices);
     let [margin, near] = [(margin / slices.length) as usize, near_end(&slices, *radius)];
-    let stretches = depth.raised(longest, [least, DEPTH_RATIO.get()], margin);
-    if stretches.is_empty() {
+    let narrower = depth.clone().negated();
+    let shortest = (NARROWER.get() * radius / slices.length) as usize + 1;
+    let lowered = narrower.raised_at_end(shortest..longest + 1, least);
+    let stretches = depth.raised(longest, least, margin);
+    if stretches.is_empty() && lowered.is_none() {
         return None;
     }
     // Most bodies have no step that they are asked about.
@@ -94,15 +101,33 @@ pub(super) fn collars(
     let sides = sides_of(camera, mask, cylinder).map(|side| Profile::new(&slices, &side, 1, floor));
     let lean =
         axis.direction.dot(&middle).abs() / axis.direction.cross(&middle).norm().max(f64::MIN_POSITIVE);
-    let found = stretches.iter().enumerate().filter_map(|(k, stretch)| {
-        let step = depth.without(&stretches, Some(k), margin)?.step(stretch)?;
-        if stretch.len() > longest || step.size < least || step.ratio() < DEPTH_RATIO.get() {
-            return None;
-        }
-        // The edge of a collar is an ellipse in the image, which begins elsewhere at the sides than in the middle.
+    // The edge of a collar is an ellipse in the image, which begins elsewhere at the sides than in the middle.
+    let moved = |step: Step| {
         let wider = step.size / radius;
         let moved = radius * (MARGIN.get() + lean * (wider * (2.0 + wider)).sqrt());
-        let moved = ((moved / slices.length) as usize).min(slices.count);
+        ((moved / slices.length) as usize).min(slices.count)
+    };
+    if let Some(lowered) = lowered {
+        let step = narrower.step(&lowered)?;
+        let moved = moved(step);
+        let sides: List<Profile> = sides.iter().flatten().map(|side| side.clone().negated()).collect();
+        let of_sides = step_of_sides(&sides, &slices, &lowered, moved);
+        if step.ratio() >= DEPTH_RATIO.get() && is_confirmed(step, of_sides, false) {
+            let mut ends = ends;
+            let [begin, end] = slices.along(&lowered, 0);
+            ends[if begin.is_infinite() { 0 } else { 1 }] =
+                Some(if begin.is_infinite() { end } else { begin });
+            return Some(
+                collars(camera, mask, (sights, apart), cylinder, ends).unwrap_or((List::new(), ends)),
+            );
+        }
+    }
+    let found = stretches.iter().enumerate().filter_map(|(k, stretch)| {
+        let step = depth.without(&stretches, Some(k), margin)?.step(stretch)?;
+        if stretch.len() > longest || step.size < least[0] || step.ratio() < DEPTH_RATIO.get() {
+            return None;
+        }
+        let moved = moved(step);
         let sides: List<Profile> =
             sides.iter().flatten().filter_map(|side| side.without(&stretches, Some(k), moved)).collect();
         let of_sides = step_of_sides(&sides, &slices, stretch, moved);
@@ -110,7 +135,7 @@ pub(super) fn collars(
         let at_end = collar.stretch.iter().any(|place| place.is_infinite());
         is_confirmed(step, of_sides, at_end).then_some(collar)
     });
-    Some(found.collect())
+    Some((found.collect(), ends))
 }
 
 /// How many slices a collar has at most.

@@ -224,8 +224,17 @@ impl Parts {
             let pixel = pixel_length(camera, cylinder, end.position)?;
             Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], outward).unwrap_or(end))
         });
-        let places = ends.map(|end| Some(end?.position));
-        let collars = collars(camera, mask, (&sights, stride), cylinder, places).unwrap_or_default();
+        let positions = ends.map(|end| Some(end?.position));
+        let (collars, narrower) =
+            collars(camera, mask, (&sights, stride), cylinder, positions).unwrap_or((List::new(), positions));
+        let mut ends = ends;
+        for ((end, before), position) in ends.iter_mut().zip(positions).zip(narrower) {
+            if let Some(position) = position.filter(|_| position != before) {
+                let pixel = pixel_length(camera, cylinder, position)?;
+                let deviation = DEPTH_PIXELS.get() * pixel;
+                *end = Some(BodyEnd { position, deviation, sign: EndSign::Depth });
+            }
+        }
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 

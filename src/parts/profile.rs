@@ -154,12 +154,34 @@ impl Profile {
         Some(profile)
     }
 
+    /// The same with the other sign: what is lowered is raised.
+    pub(super) fn negated(mut self) -> Self {
+        self.slices.iter_mut().for_each(|[_, value]| *value = -*value);
+        self.sums.iter_mut().for_each(|[.., off]| *off = -*off);
+        self
+    }
+
+    /// The stretch of this length at least that reaches an end and may be above a line by a step of this size and this ratio.
+    pub(super) fn raised_at_end(&self, lengths: Range<usize>, least: [f64; 2]) -> Option<Range<usize>> {
+        let count = self.slices.len();
+        self.clearest(lengths.flat_map(|length| [0..length, count - length..count]), least)
+    }
+
     /// The stretches that may be above a line by a step of this size and this ratio, farther apart than a margin.
     pub(super) fn raised(&self, longest: usize, least: [f64; 2], margin: usize) -> List<Range<usize>> {
+        // A stretch begins and ends with slices that are above the line.
+        let clearest = |profile: &Self| {
+            let above = |slice: &usize| profile.sums[slice + 1][2] > profile.sums[*slice][2];
+            let count = profile.slices.len();
+            let stretches = (0..count).filter(above).flat_map(|start| {
+                (start..count.min(start + longest)).filter(above).map(move |last| start..last + 1)
+            });
+            profile.clearest(stretches, least)
+        };
         let mut stretches: List<Range<usize>> = List::new();
         let mut rest = Some(self.clone());
         // The clearest first: what one leaves shows another.
-        while let Some(mut stretch) = rest.as_ref().and_then(|rest| rest.clearest(longest, least)) {
+        while let Some(mut stretch) = rest.as_ref().and_then(clearest) {
             // What is beside one belongs to it.
             stretches.retain(|other| {
                 let apart = stretch.end + margin < other.start || other.end + margin < stretch.start;
@@ -174,22 +196,21 @@ impl Profile {
         stretches
     }
 
-    /// The stretch whose step up from a line beside it explains most, if it has a step of this size; `None` where its ratio is
-    /// too small even if the slices are independent.
-    fn clearest(&self, longest: usize, least: [f64; 2]) -> Option<Range<usize>> {
-        // It begins and ends with slices that are above the line.
-        let above = |slice: &usize| self.sums[slice + 1][2] > self.sums[*slice][2];
-        let [size, ratio] = least;
+    /// The one of some stretches whose step up from a line beside it explains most, if it has a step of this size; `None` where its
+    /// ratio is too small even if the slices are independent.
+    fn clearest(
+        &self,
+        stretches: impl Iterator<Item = Range<usize>>,
+        [size, ratio]: [f64; 2],
+    ) -> Option<Range<usize>> {
         let (mut best, mut most) = (None, 0.0);
-        for start in (0..self.slices.len()).filter(above) {
-            for last in (start..self.slices.len().min(start + longest)).filter(above) {
-                if let Some([up, freedom]) = self.lever(&(start..last + 1))
-                    && up >= size * freedom
-                    && up * up > most * freedom
-                {
-                    most = up * up / freedom;
-                    best = Some(start..last + 1);
-                }
+        for stretch in stretches {
+            if let Some([up, freedom]) = self.lever(&stretch)
+                && up >= size * freedom
+                && up * up > most * freedom
+            {
+                most = up * up / freedom;
+                best = Some(stretch);
             }
         }
         best.filter(|stretch| self.rough_step(stretch).is_some_and(|step| step.ratio() >= ratio))
