@@ -150,7 +150,7 @@ pub(crate) fn independent_part(residuals: &[f64]) -> f64 {
 pub(crate) fn bounds_of_median_size(sample: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let mut sample: List<u64> = sample.map(|number| number.abs().to_bits()).collect();
     sample.sort_unstable();
-    // Four standard deviations of the place of the median in the sample.
+    // Four standard deviations of the rank of the median in the sample.
     let (middle, reach) = (sample.len() / 2, 2 * sample.len().isqrt() + 1);
     let [low, high] = [sample.get(middle.checked_sub(reach)?)?, sample.get(middle + reach)?];
     Some([low, high].map(|bits| f64::from_bits(*bits)))
@@ -169,8 +169,8 @@ pub(crate) fn median_size_between(
     blocks(&mut |numbers| {
         below += Arch::new().dispatch(BetweenSizes { numbers, first, last, found: &mut found });
     });
-    let place = (count / 2).checked_sub(below).filter(|&place| place < found.len())?;
-    Some(f64::from_bits(nth(&mut found, place)))
+    let rank = (count / 2).checked_sub(below).filter(|&rank| rank < found.len())?;
+    Some(f64::from_bits(nth(&mut found, rank)))
 }
 
 /// The lower quartile of the absolute values of numbers, 0 for none.
@@ -185,8 +185,8 @@ fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
     if sizes.is_empty() {
         return 0.0;
     }
-    let place = sizes.len() / parts;
-    f64::from_bits(nth(&mut sizes, place))
+    let rank = sizes.len() / parts;
+    f64::from_bits(nth(&mut sizes, rank))
 }
 
 const SIGN: u64 = 1 << 63;
@@ -204,10 +204,13 @@ pub(crate) fn ordered_single(number: f32) -> u32 {
     bits ^ ((bits.cast_signed() >> 31).cast_unsigned() | 1 << 31)
 }
 
-/// The numbers at some places of the ordered list, of which there must be as many.
-pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
+/// Order statistics: the numbers that have some ranks, from 0 on, of which there must be as many.
+pub(crate) fn order_statistics<const N: usize>(
+    numbers: impl Iterator<Item = f64>,
+    ranks: [usize; N],
+) -> [f64; N] {
     let mut ordered: List<u64> = numbers.map(ordered).collect();
-    places.map(|place| number(nth(&mut ordered, place)))
+    ranks.map(|rank| number(nth(&mut ordered, rank)))
 }
 
 /// The number that has these ordered bits.
@@ -221,10 +224,10 @@ pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     if outer < FEW_OUTER {
         return few_outer(numbers, outer);
     }
-    let all = || at_places(numbers.iter().copied(), [outer, count - 1 - outer]);
-    // Their place in a sample, with three standard deviations of that.
-    let place = outer as f64 * SAMPLE as f64 / count as f64;
-    let reach = (place + 3.0 * place.sqrt() + 3.0) as usize;
+    let all = || order_statistics(numbers.iter().copied(), [outer, count - 1 - outer]);
+    // Their rank in a sample, with three standard deviations of that.
+    let rank = outer as f64 * SAMPLE as f64 / count as f64;
+    let reach = (rank + 3.0 * rank.sqrt() + 3.0) as usize;
     if count < 8 * SAMPLE || 2 * reach >= SAMPLE {
         return all();
     }
@@ -243,7 +246,7 @@ pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     let (Some(last), true) = (highest.len().checked_sub(outer + 1), lowest.len() > outer) else {
         return all();
     };
-    let nth = |numbers: &mut [f64], place: usize| *numbers.select_nth_unstable_by(place, f64::total_cmp).1;
+    let nth = |numbers: &mut [f64], rank: usize| *numbers.select_nth_unstable_by(rank, f64::total_cmp).1;
     [nth(&mut lowest, outer), nth(&mut highest, last)]
 }
 
@@ -270,43 +273,43 @@ fn few_outer(numbers: &[f64], outer: usize) -> [f64; 2] {
 fn insert(least: &mut [f64], number: f64) {
     let last = least.len() - 1;
     if number < least[last] {
-        let place = least.partition_point(|other| *other <= number);
-        least.copy_within(place..last, place + 1);
-        least[place] = number;
+        let index = least.partition_point(|other| *other <= number);
+        least.copy_within(index..last, index + 1);
+        least[index] = number;
     }
 }
 
 /// Numbers of a sample, which tells about where another one is.
 const SAMPLE: usize = 256;
 
-/// The number at some place of the ordered list; few numbers come out in another order.
-fn nth(numbers: &mut [u64], place: usize) -> u64 {
+/// The number of a rank in the ordered list; few numbers come out in another order.
+fn nth(numbers: &mut [u64], rank: usize) -> u64 {
     let count = numbers.len();
     if count < 4 * SAMPLE {
-        return *numbers.select_nth_unstable(place).1;
+        return *numbers.select_nth_unstable(rank).1;
     }
     let mut sample: [u64; SAMPLE] = std::array::from_fn(|k| numbers[k * count / SAMPLE]);
-    let (lower, &mut near, upper) = sample.select_nth_unstable(place * SAMPLE / count);
+    let (lower, &mut near, upper) = sample.select_nth_unstable(rank * SAMPLE / count);
     let below = Arch::new().dispatch(|| numbers.iter().map(|number| u64::from(*number < near)).sum::<u64>());
     let below = below as usize;
     // As many of the sample as lie between that number and the wanted one, and three standard deviations more.
-    let expected = (place.abs_diff(below) * SAMPLE) as f64 / count as f64;
+    let expected = (rank.abs_diff(below) * SAMPLE) as f64 / count as f64;
     let reach = (expected + 3.0 * expected.sqrt() + 3.0) as usize;
     let mut found = List::with_capacity(count);
-    let at = if place >= below {
+    let at = if rank >= below {
         let last = if reach < upper.len() { *upper.select_nth_unstable(reach).1 } else { u64::MAX };
         Arch::new().dispatch(Between { numbers, first: near, last, found: &mut found });
-        Some(place - below)
+        Some(rank - below)
     } else {
         let first = lower.len().checked_sub(reach + 1).map_or(0, |k| *lower.select_nth_unstable(k).1);
         // Some of the sample may be as large as that number.
         let last = near - 1;
         Arch::new().dispatch(Between { numbers, first: first.min(last), last, found: &mut found });
-        found.len().checked_sub(below - place)
+        found.len().checked_sub(below - rank)
     };
     match at {
         Some(at) if at < found.len() => *found.select_nth_unstable(at).1,
-        _ => *numbers.select_nth_unstable(place).1,
+        _ => *numbers.select_nth_unstable(rank).1,
     }
 }
 
@@ -396,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn many_numbers_have_the_same_place_as_few() {
+    fn many_numbers_have_the_same_rank_as_few() {
         let mut state = 1_u64;
         let mut random = || {
             state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
@@ -415,16 +418,16 @@ mod tests {
         for numbers in [many, equal, rising, periodic, few, largest] {
             let mut ordered = numbers.clone();
             ordered.sort_unstable();
-            for place in [0, numbers.len() / 4, numbers.len() / 2, numbers.len() - 1] {
-                assert_eq!(nth(&mut numbers.clone(), place), ordered[place]);
+            for rank in [0, numbers.len() / 4, numbers.len() / 2, numbers.len() - 1] {
+                assert_eq!(nth(&mut numbers.clone(), rank), ordered[rank]);
             }
         }
     }
 
     #[test]
-    fn places_count_from_the_lowest_number() {
+    fn ranks_count_from_the_lowest_number() {
         let numbers = [3.0, -1.0, 0.0, -7.5, 2.0];
-        assert_eq!(at_places(numbers.into_iter(), [0, 1, 2, 4]), [-7.5, -1.0, 0.0, 3.0]);
+        assert_eq!(order_statistics(numbers.into_iter(), [0, 1, 2, 4]), [-7.5, -1.0, 0.0, 3.0]);
     }
 
     #[test]

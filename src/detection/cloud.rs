@@ -98,8 +98,10 @@ fn look(
         return Ok(Some(Detections { cut_short, visits, ..Detections::default() }));
     }
     let read_rays = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 2]| {
-        let place = |k: usize, low: f64| low + (k as f64 + 0.5) * raster.spacing;
-        row::write(columns, list, |column| [place(column, raster.low[0]), place(row, raster.low[1])]);
+        let coordinate = |k: usize, low: f64| low + (k as f64 + 0.5) * raster.spacing;
+        row::write(columns, list, |column| {
+            [coordinate(column, raster.low[0]), coordinate(row, raster.low[1])]
+        });
     };
     let seen = label(&grid, &found, size, raster.spacing, &read_points, &read_rays, &effort);
     drop((grid, found));

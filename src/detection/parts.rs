@@ -126,7 +126,7 @@ pub(super) fn divided(
         return None;
     }
     let mut order: List<(f64, usize)> =
-        cells.iter().map(|&k| (surface.place(&scene.grid.cells[k].point).along, k)).collect();
+        cells.iter().map(|&k| (surface.project(&scene.grid.cells[k].point).along, k)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
     let mut best: Option<(f64, [Part; 2])> = None;

@@ -130,9 +130,9 @@ pub struct End {
     pub source: EndSource,
     /// Whether its circle may be wider than the body: the mask goes on beyond it, over a cap or an inner wall, or a lid or rim ends there.
     pub rim: bool,
-    /// The places of the arc in the grey image; none where the image did not show it.
+    /// The samples of the arc in the grey image; none where the image did not show it.
     pub samples: List<ArcSample>,
-    /// Places on the far rim of the end, where mask or depth show the cap or the inner wall that it bounds.
+    /// Samples on the far rim of the end, where mask or depth show the cap or the inner wall that it bounds.
     pub far_rim: List<ArcSample>,
     /// The arc by itself; `None` where the image did not show it.
     pub arc: Option<LastArc>,

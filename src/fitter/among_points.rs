@@ -105,7 +105,7 @@ impl Fitter {
         run: &mut Run<'_>,
         clock: &Instant,
     ) -> Result<Option<Body>> {
-        let place = |&k: &usize| view.cloud.point(k);
+        let point_of = |&k: &usize| view.cloud.point(k);
         let fit = |region: &[usize], cylinder: &Cylinder, run: &mut Run<'_>| {
             unless_cancelled(self.fit_of_points(view, region, Some(cylinder), run, clock)).map(Result::ok)
         };
@@ -113,9 +113,9 @@ impl Fitter {
         let into_view = view.pose().inverse();
         if !whole {
             let cylinder = into_view.cylinder(&fitted.1.cylinder);
-            let reach = reach_of(&cylinder, region.iter().map(place));
+            let reach = reach_of(&cylinder, region.iter().map(point_of));
             let all = (0..).zip(view.cloud.points());
-            let grown = grown(&cylinder, reach, region.iter().map(place), all);
+            let grown = grown(&cylinder, reach, region.iter().map(point_of), all);
             let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
             let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
             // What else lies near the surface draws the fit away.
@@ -125,7 +125,7 @@ impl Fitter {
         }
         let cylinder = into_view.cylinder(&fitted.1.cylinder);
         let is_one =
-            !fitted.1.flags.contains(Flags::POOR_FIT) && is_round(&cylinder, region.iter().map(place));
+            !fitted.1.flags.contains(Flags::POOR_FIT) && is_round(&cylinder, region.iter().map(point_of));
         Ok(is_one.then_some(Body { fit: fitted, points: region, score: detection.score, plane: None }))
     }
 

@@ -8,7 +8,7 @@ use super::data::{Data, ViewData};
 use super::fit::Fit;
 use super::guided::GuidedView;
 use super::guides::Guides;
-use super::held::{EndPlace, Held, HeldView};
+use super::held::{EndPosition, Held, HeldView};
 use super::located::{Located, Observations, held, lines_of};
 use super::objective::Precision;
 use super::options::{EdgeUse, Options, StartKind};
@@ -49,7 +49,7 @@ struct LastView {
     index: usize,
     scales: Option<RobustScales>,
     appearance: Option<Appearance>,
-    ends: [Option<EndPlace>; 2],
+    ends: [Option<EndPosition>; 2],
 }
 
 impl Last {

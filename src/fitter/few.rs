@@ -8,7 +8,7 @@ use crate::geometry::LocalFrame;
 use crate::memory::List;
 use crate::observations::{ENOUGH, PointCloud, are_many};
 use crate::residuals::PointTerm;
-use crate::statistics::{at_places, beside, bounds_of_median_size, median_size, median_size_between};
+use crate::statistics::{beside, bounds_of_median_size, median_size, median_size_between, order_statistics};
 use nalgebra::Vector3;
 
 /// Fewest rows of neighbours in a band, of as many as there are in a square: correlation is looked for over a third of them.
@@ -98,8 +98,8 @@ fn middle_band(cloud: &PointCloud, sample: &PointCloud) -> PointCloud {
     let count = cloud.len() as f64;
     let part = (ENOUGH as f64 / count).max(ROWS_OF_BAND / count.sqrt());
     let last = (sample.len() - 1) as f64;
-    let places = [0.5 - 0.5 * part, 0.5 + 0.5 * part].map(|place| (place * last).round() as usize);
-    let band = cloud.between(&length, at_places(sample.points().map(along), places));
+    let ranks = [0.5 - 0.5 * part, 0.5 + 0.5 * part].map(|quantile| (quantile * last).round() as usize);
+    let band = cloud.between(&length, order_statistics(sample.points().map(along), ranks));
     // Where coordinates are so large that their squares overflow there is no band.
     if band.is_empty() { sample.clone() } else { band }
 }

@@ -40,7 +40,7 @@ pub(super) struct HeldView {
     /// The arcs of the ends.
     pub arcs: ArcTerm,
     /// Where the arcs were located.
-    pub ends: [Option<EndPlace>; 2],
+    pub ends: [Option<EndPosition>; 2],
     /// What the image shows of the limbs; `None` where it was not searched.
     pub limbs: Option<[LimbObservation; 2]>,
     /// What the next image of a sequence need not be asked again.
@@ -114,13 +114,13 @@ impl Held {
 
 /// Where an arc was located.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EndPlace {
+pub(super) struct EndPosition {
     /// The middle of its circle, in the reference frame.
     middle: Vector3<f64>,
     blur: f64,
 }
 
-impl EndPlace {
+impl EndPosition {
     /// Of an arc on a cylinder in the reference frame.
     pub fn new(arc: &LastArc, cylinder: &Cylinder) -> Self {
         Self { middle: cylinder.axis.at(arc.position), blur: arc.blur }
@@ -136,8 +136,8 @@ impl HeldView {
     /// Whether the mask holds the body alone: such a mask gives arcs without far rims, and it does so about a cylinder that
     /// turned a little, too.
     pub fn is_whole(&self) -> bool {
-        let mut places = self.arcs.ends.iter().flatten();
-        !self.arcs.ends.is_empty() && places.all(|place| place.rim == Rim::Near)
+        let mut ends = self.arcs.ends.iter().flatten();
+        !self.arcs.ends.is_empty() && ends.all(|sample| sample.rim == Rim::Near)
     }
 
     /// Lines, of which some are given segments and some were located in the image.

@@ -130,15 +130,17 @@ fn is_box(view: &ViewData<'_>, frame: &LocalFrame, points: &[(f64, Vector3<f64>)
         points.iter().map(|(weight, point)| (point - axis.nearest_to(point)) * *weight).sum();
     let Some(towards) = towards.try_normalize(0.0) else { return false };
     let across = axis.direction.cross(&towards);
-    let place = |point: &Vector3<f64>| {
-        let place = point - axis.point;
-        Vector3::new(place.dot(&axis.direction), place.dot(&across), place.dot(&towards))
+    let in_frame = |point: &Vector3<f64>| {
+        let offset = point - axis.point;
+        Vector3::new(offset.dot(&axis.direction), offset.dot(&across), offset.dot(&towards))
     };
-    let weighted: List<Weighted> =
-        points.iter().map(|(weight, point)| Weighted { weight: *weight, place: place(point) }).collect();
+    let weighted: List<Weighted> = points
+        .iter()
+        .map(|(weight, point)| Weighted { weight: *weight, position: in_frame(point) })
+        .collect();
     let Some((planes, left)) = TwoPlanes::new(&weighted) else { return false };
     let rival = Rival { explained: variance - left, left, numbers: TwoPlanes::NUMBERS };
-    rival.wins(view, frame, |point| planes.distance(&place(point)))
+    rival.wins(view, frame, |point| planes.distance(&in_frame(point)))
 }
 
 /// The variance that another body explains at least.

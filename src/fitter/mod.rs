@@ -83,7 +83,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
-/// random samples, or places, cells and residuals for the correlation.
+/// random samples, or positions, cells and residuals for the correlation.
 const BYTES_OF_FIT: usize = 96;
 
 /// The same for a diagnosis: rows of six numbers, gathered, stacked, and factorised in place of a copy.

@@ -37,13 +37,13 @@ constants! {
 
 /// A fit without the points of planes that touch its cylinder or cross it, what is left of its points, and all planes about it.
 ///
-/// Of a fit `surface` gives the cylinder and how far points scatter about it, `around` some of all points near it; `place` is where one
+/// Of a fit `surface` gives the cylinder and how far points scatter about it, `around` some of all points near it; `point_of` is where one
 /// of its own points lies. `refit` makes a fit to fewer of them, or `None` where they lie on a cylinder worse than those of the fit
 /// before.
 pub(crate) fn off_planes<Fit, Number: Copy + Send + 'static>(
     (mut fit, mut points): (Fit, List<Number>),
     surface: impl Fn(&Fit) -> (Cylinder, f64),
-    place: impl Fn(Number) -> Vector3<f64>,
+    point_of: impl Fn(Number) -> Vector3<f64>,
     around: impl Fn(&Fit) -> List<Vector3<f64>>,
     mut refit: impl FnMut(&Fit, &[Number]) -> Result<Option<Fit>>,
 ) -> Result<(Fit, List<Number>, List<PlaneBeside>)> {
@@ -55,8 +55,8 @@ pub(crate) fn off_planes<Fit, Number: Copy + Send + 'static>(
         beyond.retain(|point| !is_on(point) && !planes.iter().any(|plane| plane.holds(point)));
         let Some(plane) = PlaneBeside::among(&beyond, ALIKE.get() * scale) else { break };
         let is_on_both = |point: Vector3<f64>| is_on(&point) && plane.holds(&point);
-        if points.iter().any(|&number| is_on_both(place(number))) {
-            let is_beside = |&number: &Number| !plane.holds(&place(number));
+        if points.iter().any(|&number| is_on_both(point_of(number))) {
+            let is_beside = |&number: &Number| !plane.holds(&point_of(number));
             let rest: List<Number> = points.iter().copied().filter(is_beside).collect();
             let Some(again) = refit(&fit, &rest)? else { break };
             (fit, points) = (again, rest);

@@ -67,7 +67,7 @@ impl ViewData<'_> {
             let distances = camera.distances_from_limbs(cylinder, &[sample.position; 2]);
             distances.is_some_and(|of_limbs| of_limbs.iter().all(|distances| distances.amax() > beside))
         };
-        // The point of the surface that is seen at a place.
+        // The point of the surface that is seen at a position.
         let seen = |at: Vector2<f64>| cylinder.first_hit(&camera.ideal_ray(&at));
         let has_rim = |sample: &LimbSample| {
             let hit = seen(sample.position)?;

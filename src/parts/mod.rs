@@ -3,7 +3,7 @@
 //!
 //! Masks drawn by people or networks cover whole objects. Along the axis the pixels of such a mask see the body, then
 //! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
-//! them apart pixel by pixel, and the place where the one turns into the other follows from all of them together.
+//! them apart pixel by pixel, and the position where the one turns into the other follows from all of them together.
 
 mod collar;
 mod outline;
@@ -224,8 +224,8 @@ impl Parts {
             let pixel = pixel_length(camera, cylinder, end.position)?;
             Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], outward).unwrap_or(end))
         });
-        let places = ends.map(|end| Some(end?.position));
-        let collars = collars(camera, mask, (&sights, stride), cylinder, places).unwrap_or_default();
+        let of_ends = ends.map(|end| Some(end?.position));
+        let collars = collars(camera, mask, (&sights, stride), cylinder, of_ends).unwrap_or_default();
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 
@@ -322,9 +322,9 @@ fn along_the_axis(sights: &[Sight]) -> List<Sight> {
     // Numbers are moved about in place of whole sights.
     let mut order = List::filled(0_u128, sights.len());
     for (k, sight) in sights.iter().enumerate() {
-        let place = &mut ends[stretch(sight)];
-        order[*place] = u128::from(ordered(sight.position)) << 64 | k as u128;
-        *place += 1;
+        let next = &mut ends[stretch(sight)];
+        order[*next] = u128::from(ordered(sight.position)) << 64 | k as u128;
+        *next += 1;
     }
     let mut begin = 0;
     for end in &ends[..stretches] {

@@ -109,9 +109,9 @@ impl StepNoise {
         (*self == Self::alike(noise, self.blur)).then_some(noise)
     }
 
-    /// Standard deviation of the place of a straight step along some pixels, if all but that place were known: with the
+    /// Standard deviation of the position of a straight step along some pixels, if all but that position were known: with the
     /// slope of a step of the blur b the information is Σ (∂I/∂u)² / σ² = n / (2 √π b σ²) (the Cramér–Rao bound).
-    pub(super) fn place(&self, noise: f64, pixels: f64) -> f64 {
+    pub(super) fn position_deviation(&self, noise: f64, pixels: f64) -> f64 {
         // The aperture of a pixel blurs, too.
         let blur = self.blur.hypot(1.0 / 12.0_f64.sqrt());
         noise * (2.0 * std::f64::consts::PI.sqrt() * blur / pixels).sqrt()

@@ -97,7 +97,7 @@ impl DetectorOptions {
 /// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// It begins to look for cylinders; at a cloud that was not seen from its origin, from many places.
+    /// It begins to look for cylinders; at a cloud that was not seen from its origin, from many positions.
     Search,
     /// So many of the cylinders that were found are fitted.
     Fit {
@@ -243,7 +243,7 @@ impl Detector {
 
     /// Finds and fits all cylinders of a cloud, organised or not. It is looked at from where a sensor has seen
     /// it: the origin, where nearly all points lie in front of it and hide none of each other, or where their densities tell. Clouds that
-    /// no single place has seen are looked at from all sides, and from all sides of tiles of them, which takes about ten times as long.
+    /// no single position has seen are looked at from all sides, and from all sides of tiles of them, which takes about ten times as long.
     /// Points with a coordinate that is not finite or a weight of 0 are left out.
     ///
     /// # Errors

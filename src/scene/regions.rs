@@ -63,8 +63,8 @@ impl Fits<'_> {
             last = Some(fit);
             // A body may have many points, for which no memory is kept.
             let next = apart(|| {
-                let reach = reach_of(&cylinder, places_of(looks, &region));
-                grown(&cylinder, reach, places_of(looks, &region), looks.near(&cylinder, reach))
+                let reach = reach_of(&cylinder, points_of(looks, &region));
+                grown(&cylinder, reach, points_of(looks, &region), looks.near(&cylinder, reach))
             });
             check(0)?;
             detection.cylinder = cylinder;
@@ -79,7 +79,7 @@ impl Fits<'_> {
             }
         }
         let mut is_one =
-            self.seen.whole || apart(|| is_round(&detection.cylinder, places_of(looks, &region)));
+            self.seen.whole || apart(|| is_round(&detection.cylinder, points_of(looks, &region)));
         // Errors that neighbours share look like a surface that is not round.
         let is_lenient = self.seen.whole && !self.seen.independent;
         check(0)?;
@@ -114,7 +114,7 @@ impl Fits<'_> {
         let mut found = found(fitter, evidence, &detection, &result);
         // A box within the reach of a cylinder is none.
         let is_poor = || found.result.flags.contains(Flags::POOR_FIT);
-        let fits = || apart(|| is_round(&found.result.cylinder, places_of(looks, &region)));
+        let fits = || apart(|| is_round(&found.result.cylinder, points_of(looks, &region)));
         let is_one = is_one && (is_lenient || !is_poor() && (!self.seen.whole || fits()));
         found.score = if is_one { with_odds_divided(found.score, self.tries) } else { 0.0 };
         (found.region, found.body) = (region, body);
@@ -134,7 +134,7 @@ impl Fits<'_> {
         let (mut piece, mut cylinder) = (region.to_vec(), detection.cylinder);
         loop {
             let positions: Vec<f64> =
-                places_of(looks, &piece).map(|point| cylinder.axis.position_of(&point)).collect();
+                points_of(looks, &piece).map(|point| cylinder.axis.position_of(&point)).collect();
             let [first, last] = ends_of(&positions);
             let half = 0.25 * (last - first);
             let middle = median(&mut positions.clone());
@@ -146,7 +146,7 @@ impl Fits<'_> {
             let few = thinned(&piece);
             let seen = Detection { cylinder, pixels: few.len(), ..*detection };
             cylinder = self.of_region(points, looks, &few, &seen, share)?.1.cylinder;
-            if apart(|| is_round(&cylinder, places_of(looks, &piece))) {
+            if apart(|| is_round(&cylinder, points_of(looks, &piece))) {
                 return Ok(Some((piece, cylinder)));
             }
         }
@@ -200,7 +200,7 @@ impl Fits<'_> {
         let surface = |(_, result): &Fit| (result.cylinder, result.point_scale);
         let axis = &fit.1.cylinder.axis;
         let [first, last] =
-            ends_of(&places_of(looks, &region).map(|point| axis.position_of(&point)).collect::<Vec<f64>>());
+            ends_of(&points_of(looks, &region).map(|point| axis.position_of(&point)).collect::<Vec<f64>>());
         let around = |(_, result): &Fit| {
             let cylinder = &result.cylinder;
             let along = first - cylinder.radius..last + cylinder.radius;
@@ -218,22 +218,22 @@ impl Fits<'_> {
             Ok(is_as_good(&before.1, &again.1).then_some(again))
         };
         let own = apart(|| region.iter().copied().collect());
-        let (fit, left, _) = off_planes((fit, own), surface, |k| looks.place(k), around, refit)?;
+        let (fit, left, _) = off_planes((fit, own), surface, |k| looks.point(k), around, refit)?;
         Ok((fit, left.to_vec()))
     }
 
     /// The points of a region, by their numbers, between the parts next to the limbs, which structured light and
-    /// stereo draw out; `None` where they were seen from more than one place, or from inside, where there are no limbs, and where
+    /// stereo draw out; `None` where they were seen from more than one position, or from inside, where there are no limbs, and where
     /// little or less than half of the region would be left.
     fn middle(&self, looks: &Looks, region: &[u32], cylinder: &Cylinder) -> Option<Vec<u32>> {
-        let place = self.seen.seen_from?;
-        let axis = Line { point: cylinder.axis.point - place, ..cylinder.axis };
+        let observer = self.seen.seen_from?;
+        let axis = Line { point: cylinder.axis.point - observer, ..cylinder.axis };
         let seen = Cylinder { axis, ..*cylinder };
         if seen.contains_origin() {
             return None;
         }
         let band = Band::new(&seen, MIDDLE);
-        let inner = region.iter().copied().filter(|&k| band.contains(&(looks.place(k) - place)));
+        let inner = region.iter().copied().filter(|&k| band.contains(&(looks.point(k) - observer)));
         let middle: Vec<u32> = inner.collect();
         (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
     }
@@ -245,6 +245,6 @@ fn thinned(region: &[u32]) -> Vec<u32> {
 }
 
 /// Where the points of a region lie.
-fn places_of(looks: &Looks, region: &[u32]) -> impl ExactSizeIterator<Item = Vector3<f64>> + Clone {
-    region.iter().map(|&k| looks.place(k))
+fn points_of(looks: &Looks, region: &[u32]) -> impl ExactSizeIterator<Item = Vector3<f64>> + Clone {
+    region.iter().map(|&k| looks.point(k))
 }

@@ -33,7 +33,7 @@ struct Cubes {
 }
 
 impl Cubes {
-    /// `None` where there are no points, or all at one place.
+    /// `None` where there are no points, or all coincide.
     fn about(points: &Points, asked: &Asked<'_>) -> Result<Option<Self>> {
         let (mut low, mut size) = (Vector3::zeros(), 0.0_f64);
         for (axis, low) in points.axes.iter().zip(&mut low) {
@@ -57,13 +57,13 @@ impl Cubes {
         if inside { at.iter().fold(0, |number, x| number * COUNT + *x as u32) } else { NONE }
     }
 
-    fn place(number: u32) -> [u32; 3] {
+    fn indices(number: u32) -> [u32; 3] {
         [number / (COUNT * COUNT), number / COUNT % COUNT, number % COUNT]
     }
 
     fn middle(&self, number: u32) -> Vector3<f64> {
-        let place = Vector3::from(Self::place(number)).map(|k| f64::from(k) - f64::from(MARGIN) + 0.5);
-        self.low + self.edge * place
+        let middle = Vector3::from(Self::indices(number)).map(|k| f64::from(k) - f64::from(MARGIN) + 0.5);
+        self.low + self.edge * middle
     }
 
     /// The tile in which a cube lies, an edge of a tile being 2^-level of the longest side. They are laid half an edge off the box: no
@@ -73,7 +73,7 @@ impl Cubes {
             return None;
         }
         let edge = 1 << (FINE - level);
-        let tile = Self::place(number).map(|k| (k + edge / 2).checked_sub(MARGIN).map(|k| k / edge));
+        let tile = Self::indices(number).map(|k| (k + edge / 2).checked_sub(MARGIN).map(|k| k / edge));
         let [Some(x), Some(y), Some(z)] = tile else { return None };
         [x, y, z].iter().all(|k| *k <= 1 << level).then_some([x, y, z])
     }
@@ -90,7 +90,7 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// The order of points of the caller's, and these in it, where they do not lie all at one place. What is far away or of no use comes
+    /// The order of points of the caller's, and these in it, where they do not all coincide. What is far away or of no use comes
     /// last.
     pub fn of(view: &PointsView<'_>, points: Points, asked: &Asked<'_>) -> Result<(Option<Self>, Points)> {
         let Some(cubes) = Cubes::about(&points, asked)? else { return Ok((None, points)) };
@@ -206,7 +206,7 @@ mod tests {
         assert!(numbers.into_iter().eq(0..given.len() as u32));
         for (k, &number) in order.numbers.iter().enumerate().filter(|(k, _)| points.is_usable(*k)) {
             assert!(
-                (points.place(k) - Vector3::from(given[number as usize])).norm()
+                (points.point(k) - Vector3::from(given[number as usize])).norm()
                     < 1e-5 * given[number as usize][0].abs().max(1.0)
             );
         }
@@ -233,7 +233,7 @@ mod tests {
         let (order, points) = order(&given);
         let axis = Line { point: Vector3::new(3.0, 4.0, 5.0), direction: Vector3::new(0.6, 0.0, 0.8) };
         let cylinder = Cylinder { axis, radius: 6.0 };
-        let distance = |k: usize| cylinder.distance(&points.place(k)).abs();
+        let distance = |k: usize| cylinder.distance(&points.point(k)).abs();
         let near: Vec<usize> = order.near(&cylinder, 0.5).collect();
         assert!(near.is_sorted_by(|a, b| a < b) && near.len() < given.len() / 3);
         let all = (0..points.len()).filter(|&k| distance(k) <= 0.5);

@@ -243,8 +243,8 @@ impl WithSimd for Projection<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { view, axes: [x, y, z], pixels, depths } = self;
         let View { pose, scale, low: [left, top], size: [right, bottom], width, outside } = *view;
-        let places = pixels.iter_mut().zip(depths);
-        for ((pixel, depth), ((x, y), z)) in places.zip(x.iter().zip(y).zip(z)) {
+        let projected = pixels.iter_mut().zip(depths);
+        for ((pixel, depth), ((x, y), z)) in projected.zip(x.iter().zip(y).zip(z)) {
             let [x, y, z] = turned(&pose, [*x, *y, *z]);
             let scale = scale / z;
             let (x, y) = (x * scale - left, y * scale - top);
@@ -345,8 +345,8 @@ impl Image {
         let nearest = &self.nearest[first + columns.start..first + columns.end];
         lists.iter_mut().for_each(|list| list.resize(nearest.len(), 0.0));
         let [x, y, z] = lists;
-        let places = x.iter_mut().zip(y.iter_mut()).zip(z.iter_mut());
-        for (seen, ((x, y), z)) in nearest.iter().zip(places) {
+        let coordinates = x.iter_mut().zip(y.iter_mut()).zip(z.iter_mut());
+        for (seen, ((x, y), z)) in nearest.iter().zip(coordinates) {
             let point = match *seen {
                 NOTHING => Vector3::zeros(),
                 seen => self.raster.pose.turn(&points.at(seen as u32 as usize)),
@@ -418,9 +418,9 @@ mod tests {
             within += usize::from(front);
             assert_eq!(slopes[k].to_bits(), wide[k].to_bits());
             assert!(if front { slopes[k] == f64::from(x / z) } else { slopes[k].is_nan() }, "{x} {y} {z}");
-            let place = [x * (10.0 / z) + 15.0, y * (10.0 / z) + 10.0];
-            let inside = z > 0.0 && (0.0..30.0).contains(&place[0]) && (0.0..20.0).contains(&place[1]);
-            let pixel = if inside { place[1] as u32 * 30 + place[0] as u32 } else { 600 };
+            let position = [x * (10.0 / z) + 15.0, y * (10.0 / z) + 10.0];
+            let inside = z > 0.0 && (0.0..30.0).contains(&position[0]) && (0.0..20.0).contains(&position[1]);
+            let pixel = if inside { position[1] as u32 * 30 + position[0] as u32 } else { 600 };
             assert_eq!(pixels[k], pixel, "{x} {y} {z}");
         }
         assert_eq!(within, count_in_front(&read, &AS_GIVEN, 3.0));

@@ -35,7 +35,7 @@ const LEFT: f64 = 0.22;
 /// How much is hidden from anywhere, by noise.
 const HIDDEN: f64 = 0.01;
 
-/// From another place than the origin so much of what is hidden there is hidden, at most, where that is no sensor.
+/// From another position than the origin so much of what is hidden there is hidden, at most, where that is no sensor.
 const LESS: f64 = 0.6;
 
 /// The sides that a tile is looked at from.
@@ -134,15 +134,15 @@ impl Looks {
     }
 
     /// Where one of all points lies.
-    pub fn place(&self, k: u32) -> Vector3<f64> {
-        self.points.as_ref().map_or_else(Vector3::zeros, |points| points.place(k as usize))
+    pub fn point(&self, k: u32) -> Vector3<f64> {
+        self.points.as_ref().map_or_else(Vector3::zeros, |points| points.point(k as usize))
     }
 
     /// Those of all points that may lie within a reach of a surface, and where; none of a cloud that was looked at from its origin alone.
     pub fn near(&self, cylinder: &Cylinder, reach: f64) -> impl Iterator<Item = (u32, Vector3<f64>)> {
         self.order.iter().zip(&self.points).flat_map(move |(order, points)| {
             let usable = order.near(cylinder, reach).filter(|&k| points.is_usable(k));
-            usable.map(|k| (k as u32, points.place(k)))
+            usable.map(|k| (k as u32, points.point(k)))
         })
     }
 
@@ -152,7 +152,7 @@ impl Looks {
         match (&self.order, &self.points) {
             (None, Some(points)) => {
                 let some = spread(points.len(), ENOUGH).into_iter().filter(|&k| points.is_usable(k));
-                some.map(|k| points.place(k)).filter(is_near).collect()
+                some.map(|k| points.point(k)).filter(is_near).collect()
             }
             _ => self.near(cylinder, reach).map(|(_, point)| point).filter(is_near).collect(),
         }
@@ -221,7 +221,7 @@ impl Looks {
                     self.viewpoints.extend(sensor);
                 }
                 if self.viewpoints.is_empty() {
-                    // More than one place may have seen what is far from the origin.
+                    // More than one position may have seen what is far from the origin.
                     self.closed |= self.far;
                     self.put_in_order(view, asked)?;
                     self.viewpoints = self.sample().filter(|_| !self.far).map(of_origin).unwrap_or_default();
@@ -260,12 +260,12 @@ impl Looks {
             sees_all = image.seen >= SEEN || image.closed;
             (hidden_from_origin, memory) = (1.0 - image.seen, image.nearest);
         }
-        // Of several places the one that leaves the least of the densities and hides the least of the points.
+        // Of several positions the one that leaves the least of the densities and hides the least of the points.
         let mut best: Option<(f64, Viewpoint)> = None;
         let densities = Densities::of(points, MANY_POINTS);
-        let places = densities.iter().flat_map(Densities::places).filter(|(_, left)| *left <= LEFT);
-        for (place, left) in places {
-            let Some(viewpoint) = of_sensor_at(&place, points, &middle) else { continue };
+        let positions = densities.iter().flat_map(Densities::positions).filter(|(_, left)| *left <= LEFT);
+        for (position, left) in positions {
+            let Some(viewpoint) = of_sensor_at(&position, points, &middle) else { continue };
             let Some(image) = image(&viewpoint, memory)? else { break };
             let hidden = 1.0 - image.seen;
             let is_one = image.seen >= SEEN && hidden < LESS * hidden_from_origin;
@@ -350,7 +350,7 @@ impl Looks {
         let origin = self.viewpoints.get(self.current).map(|viewpoint| viewpoint.origin);
         self.current += 1;
         if let Some(next) = self.viewpoints.get(self.current) {
-            // To other sides of the same place other surfaces are seen.
+            // To other sides of the same position other surfaces are seen.
             self.before += usize::from(Some(next.origin) != origin);
             return true;
         }

@@ -94,21 +94,21 @@ fn surfaces_all_around(points: &Points, image: &Image, seen: &Detections, balls:
         let step = (near.len() * BLOCK).div_ceil(SAMPLE).max(1);
         let of_block = |block: usize| block * BLOCK..points.len().min((block + 1) * BLOCK);
         let sample = near.into_iter().flat_map(of_block).step_by(step);
-        let places = sample.map(|k| image.raster.pose.turn(&points.at(k)));
-        Surface::new(detection, places.filter(|point| about.distance(point).is_some()))
+        let positions = sample.map(|k| image.raster.pose.turn(&points.at(k)));
+        Surface::new(detection, positions.filter(|point| about.distance(point).is_some()))
     };
     seen.cylinders.iter().map(surface).collect()
 }
 
 /// The surfaces of the cylinders that an image shows, by the points that are seen.
 fn surfaces(points: &Points, image: &Image, seen: &Detections) -> Vec<Surface> {
-    let place = |k: usize| image.raster.pose.turn(&points.at(k));
+    let position = |k: usize| image.raster.pose.turn(&points.at(k));
     let mut of_cylinders: Vec<Vec<usize>> = seen.cylinders.iter().map(|_| Vec::new()).collect();
     for (pixel, &label) in seen.labels.iter().enumerate().filter(|(_, label)| **label != 0) {
         of_cylinders[usize::from(label) - 1].extend(image.point_at(pixel));
     }
     let cylinders = seen.cylinders.iter().zip(of_cylinders);
-    cylinders.map(|(detection, own)| Surface::new(detection, own.into_iter().map(place))).collect()
+    cylinders.map(|(detection, own)| Surface::new(detection, own.into_iter().map(position))).collect()
 }
 
 /// The number of the cylinder of each point.
