@@ -4,7 +4,7 @@
 use crate::camera::Camera;
 use crate::memory::List;
 use crate::observations::GreyImage;
-use crate::statistics::ends;
+use crate::statistics::min_max_of;
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -377,7 +377,7 @@ fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
     let least = eigen.eigenvalues.imin();
     let direction: Vector2<f64> = eigen.eigenvectors.column(1 - least).into();
     let along = positions.iter().map(|position| (position - middle).dot(&direction));
-    let [low, high] = ends(along);
+    let [low, high] = min_max_of(along);
     (high - low >= SHORTEST && eigen.eigenvalues[least] <= WIDEST * WIDEST)
         .then(|| [middle + direction * low, middle + direction * high])
 }

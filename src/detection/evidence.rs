@@ -9,7 +9,7 @@ use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
-use crate::statistics::{ends_of, ordered_single};
+use crate::statistics::{min_max, ordered_single};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -103,7 +103,7 @@ impl Scene<'_> {
         }
         let gain = self.gain_by(misfits) - self.penalty(&candidate.surface, candidate.cells.len());
         let mut evidence = Evidence { gain, ..Evidence::default() };
-        let [mut left, mut right] = ends_of(across);
+        let [mut left, mut right] = min_max(across);
         let squares: f64 = misfits.iter().map(|misfit| misfit.min(REACH * REACH)).sum();
         evidence.rms = (squares / candidate.cells.len() as f64).sqrt();
         let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;

@@ -10,7 +10,7 @@ use super::surface::{REACH, Surface};
 use super::{Detection, Detections};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::ends;
+use crate::statistics::min_max_of;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -48,7 +48,7 @@ pub(super) fn label(
         let surface = &judged.candidate.surface;
         let Surface::Cylinder(cylinder, _) = surface else { continue };
         let cells = || judged.candidate.cells.iter().map(|&k| &grid.cells[k]);
-        let [first, last] = ends(cells().map(|cell| surface.project(&cell.point).along));
+        let [first, last] = min_max_of(cells().map(|cell| surface.project(&cell.point).along));
         let depth = cells().map(|cell| cell.point.z).fold(0.0, f64::max);
         let sigma = cells().map(|cell| cell.sigma).fold(0.0, f64::max);
         let body = Band::new(cylinder, 1.0);

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_absolute, median_absolute};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -117,7 +117,7 @@ fn least_along(grid: &Grid, w: &[f64]) -> f64 {
             }
         }
         if found.len() >= FEWEST {
-            least = least.min(lower_quartile_size(found.iter().copied()));
+            least = least.min(lower_quartile_absolute(found.iter().copied()));
         }
     }
     least
@@ -134,10 +134,10 @@ impl Noise {
         let positive = far.iter().filter(|difference| **difference > 0.0).count() as f64;
         let bent = positive.max(far.len() as f64 - positive) > BENT * far.len() as f64;
         let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
-        let deviation = lower_quartile_size(far.iter().copied()).min(along) / LOWER_QUARTILE;
-        let nearest = median_size(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
+        let deviation = lower_quartile_absolute(far.iter().copied()).min(along) / LOWER_QUARTILE;
+        let nearest = median_absolute(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
         // Depth is stored in steps; no estimate is finer than rounding to f32 of the coordinates.
-        let deviation = deviation.max(1e-6 * median_size(w.iter().copied().filter(|w| *w > 0.0)));
+        let deviation = deviation.max(1e-6 * median_absolute(w.iter().copied().filter(|w| *w > 0.0)));
         // Variance of a second difference: σ² (1.5 − 2 ρ₁ + 0.5 ρ₂) / 1.5 with ρ₂ = ρ₁² for errors that fade
         // exponentially: = σ² (1 − ρ₁) (3 − ρ₁) / 3.
         let ratio = (nearest / deviation).powi(2).min(1.0);

@@ -20,7 +20,7 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
 use crate::residuals::Rim;
-use crate::statistics::{DEVIATION_OF_MEDIAN, independent_part, median, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, independent_part, median, median_absolute};
 use nalgebra::Vector2;
 use profile::{Profile, Steps, Template, WALLS, gain};
 use samples::{Room, Sampled};
@@ -264,7 +264,7 @@ fn by_rim(profiles: &[Profile]) -> f64 {
 fn standard_error(steps: &[LocatedStep], shift: f64) -> Option<f64> {
     let apart: List<f64> = steps.iter().map(|step| step.edge / step.across - shift).collect();
     let independent = (independent_part(&apart) * apart.len() as f64).max(1.0);
-    let scatter = DEVIATION_OF_MEDIAN * median_size(apart.iter().copied());
+    let scatter = DEVIATION_OF_MEDIAN * median_absolute(apart.iter().copied());
     (!steps.is_empty()).then(|| scatter / independent.sqrt())
 }
 

@@ -23,7 +23,7 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
 use crate::parts::{self, BodyEnd, EndSign, Parts};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute};
 pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
 use nalgebra::{Vector2, Vector3};
@@ -179,7 +179,7 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
     if points().filter(is_near).nth(enough).is_some() {
         return least;
     }
-    let median = median_size(points().map(|point| cylinder.distance(&point)));
+    let median = median_absolute(points().map(|point| cylinder.distance(&point)));
     (3.0 * DEVIATION_OF_MEDIAN * median).max(least)
 }
 

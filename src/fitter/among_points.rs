@@ -14,7 +14,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::observations::{ENOUGH, PointsView, spread};
 use crate::residuals::TUKEY_EFFICIENT;
-use crate::statistics::median_size;
+use crate::statistics::median_absolute;
 use nalgebra::Vector3;
 use std::cell::RefCell;
 use std::time::Instant;
@@ -218,14 +218,14 @@ impl Body {
         let into_view = view.pose().inverse();
         let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
         let scatter =
-            |of: &Cylinder| median_size(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
+            |of: &Cylinder| median_absolute(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
         if !contradict(&self.fit, first) || scatter(&first_cylinder) <= FARTHER.get() * scatter(&cylinder) {
             return false;
         }
         // What a plane explains better is no part of the first cylinder.
         let is_plane = |plane: &PlaneBeside| {
             let own = || view.cloud.points().filter(|point| plane.holds(point));
-            plane.median_distance(own()) < median_size(own().map(|point| first_cylinder.distance(&point)))
+            plane.median_distance(own()) < median_absolute(own().map(|point| first_cylinder.distance(&point)))
         };
         let plane = self.plane.filter(is_plane);
         let mut beyond = List::filled(true, view.cloud.len());

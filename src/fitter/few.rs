@@ -8,7 +8,9 @@ use crate::geometry::LocalFrame;
 use crate::memory::List;
 use crate::observations::{ENOUGH, PointCloud, are_many};
 use crate::residuals::PointTerm;
-use crate::statistics::{beside, bounds_of_median_size, median_size, median_size_between, order_statistics};
+use crate::statistics::{
+    beside, bounds_of_median_absolute, median_absolute, median_absolute_between, order_statistics,
+};
 use nalgebra::Vector3;
 
 /// Fewest rows of neighbours in a band, of as many as there are in a square: correlation is looked for over a third of them.
@@ -78,15 +80,16 @@ pub(super) fn median_distance(view: &ViewData<'_>, frame: &LocalFrame, near: Opt
     let cloud = &view.view.cloud;
     let between = |bounds| {
         let blocks = |receive: &mut dyn FnMut(&[f64])| view.points.distances_by_blocks(frame, receive);
-        median_size_between(bounds, cloud.len(), blocks)
+        median_absolute_between(bounds, cloud.len(), blocks)
     };
     let by_sample = || {
         let sample = cloud.spread(SAMPLE);
-        bounds_of_median_size(PointTerm::new(&sample, None).distances(frame).into_iter()).and_then(between)
+        bounds_of_median_absolute(PointTerm::new(&sample, None).distances(frame).into_iter())
+            .and_then(between)
     };
     near.and_then(|near| between(beside(near)))
         .or_else(by_sample)
-        .unwrap_or_else(|| median_size(view.points.distances(frame).into_iter()))
+        .unwrap_or_else(|| median_absolute(view.points.distances(frame).into_iter()))
 }
 
 /// The points in the middle of the length of a cloud, by a sample: neighbours stay neighbours, and all of an arc takes part.
@@ -232,7 +235,7 @@ mod tests {
         moved.axis.point.x += 1e-3;
         let frame = LocalFrame::new(&moved, &moved.axis.point, 1.0);
         let distances = data.views[0].points.distances(&frame);
-        let limit = median_size(distances.iter().copied());
+        let limit = median_absolute(distances.iter().copied());
         for near in [None, Some(limit), Some(0.99 * limit), Some(1.1 * limit), Some(0.0), Some(f64::NAN)] {
             assert_eq!(median_distance(&data.views[0], &frame, near), limit);
         }

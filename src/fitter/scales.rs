@@ -6,7 +6,7 @@ use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::observations::are_many;
 use crate::residuals::{NormalEquations, RobustScales, Squared, TUKEY_EFFICIENT};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size, median_size_near};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute, median_absolute_near};
 
 /// The part by which a number of independent points may change without another minimum: it is an estimate, good to
 /// a tenth at best.
@@ -65,7 +65,7 @@ impl Data<'_> {
 
     /// By the median absolute deviation. Exact data have no scale: the rounding floor avoids 0 / 0 in the loss.
     fn scale_of(&self, residuals: impl Iterator<Item = f64>) -> f64 {
-        (DEVIATION_OF_MEDIAN * median_size(residuals)).max(self.rounding())
+        (DEVIATION_OF_MEDIAN * median_absolute(residuals)).max(self.rounding())
     }
 
     /// Whether most points lie on a cylinder to rounding, as exact ones do, but some beside it: depth in coarse steps, of which a few points
@@ -147,7 +147,7 @@ impl Data<'_> {
             _ if told > 0.0 => told,
             Some(before) => {
                 let near = before.views[k].point / DEVIATION_OF_MEDIAN;
-                (DEVIATION_OF_MEDIAN * median_size_near(view, near)).max(self.rounding())
+                (DEVIATION_OF_MEDIAN * median_absolute_near(view, near)).max(self.rounding())
             }
             None => self.scale_of(view.iter().copied()),
         };

@@ -9,7 +9,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::start::moments::Moments;
 use crate::start::ransac::{RansacOptions, explained, ransac};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute};
 use nalgebra::Vector3;
 
 /// Points that starts are judged on: a start needs no more.
@@ -197,7 +197,7 @@ fn truncated(ratio: f64) -> f64 {
 
 /// Median distance of points from a surface, 0 for no points.
 pub(super) fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
-    median_size(points.iter().map(|p| cylinder.distance(p)))
+    median_absolute(points.iter().map(|p| cylinder.distance(p)))
 }
 
 /// Why no start was found: what random samples failed by, which is a failure of its own with its own remedy.

@@ -1,6 +1,6 @@
 //! Two planes, one on either side of a line along the axis of a cylinder: the sides of a box that is fitted as one.
 
-use crate::statistics::ends;
+use crate::statistics::min_max_of;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Parts of equal width across the axis, between any two of which one plane may end and the other begin.
@@ -27,7 +27,7 @@ impl TwoPlanes {
 
     /// Those from which the points are least far, and the weighted mean of the squared distances.
     pub fn new(points: &[Weighted]) -> Option<(Self, f64)> {
-        let [first, last] = ends(points.iter().map(|point| point.position.y));
+        let [first, last] = min_max_of(points.iter().map(|point| point.position.y));
         let step = (last - first) / PARTS as f64;
         let mut sums = [Sums::default(); PARTS];
         for point in points {

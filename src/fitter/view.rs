@@ -7,7 +7,7 @@ use crate::memory::List;
 use crate::noise::{ImageNoise, NoiseModel};
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 use crate::parts::Parts;
-use crate::statistics::{median_point, median_size};
+use crate::statistics::{median_absolute, median_point};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 
@@ -128,7 +128,7 @@ impl View {
         let (_, covariance) = self.mean_and_covariance()?;
         let sample: List<_> = self.cloud.sampled(SAMPLE).collect();
         let middle = median_point(&sample);
-        let reach = FAR * median_size(sample.iter().map(|p| (p - middle).norm()));
+        let reach = FAR * median_absolute(sample.iter().map(|p| (p - middle).norm()));
         if reach == 0.0 || covariance.trace() <= reach * reach {
             return None;
         }

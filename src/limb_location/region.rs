@@ -7,7 +7,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask, pixel_at};
-use crate::statistics::{at_both_ends, ends, median};
+use crate::statistics::{at_both_ends, median, min_max_of};
 use nalgebra::Vector2;
 use smallvec::SmallVec;
 
@@ -130,7 +130,7 @@ impl<'a> Outline<'a> {
             let from_center = pixel.position - center;
             (from_center.dot(&along), from_center.dot(&normal))
         };
-        let [low, high] = ends(self.pixels.iter().map(|pixel| coordinates(pixel).0));
+        let [low, high] = min_max_of(self.pixels.iter().map(|pixel| coordinates(pixel).0));
         let margin = MARGIN.get() * (high - low);
         let (low, high) = (low + margin, high - margin);
         let count = (high - low).floor();

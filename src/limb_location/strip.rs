@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::ReducedImage;
-use crate::statistics::{DEVIATION_OF_MEDIAN, ends_of, lower_quartile_size, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_absolute, median_absolute, min_max};
 use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -204,14 +204,14 @@ impl Strip {
             return grid.noise.value;
         }
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE).max(grid.least_noise);
-        let own =
-            DEVIATION_OF_MEDIAN * median_size(self.second_differences(1).iter().copied()) / 6.0_f64.sqrt();
+        let own = DEVIATION_OF_MEDIAN * median_absolute(self.second_differences(1).iter().copied())
+            / 6.0_f64.sqrt();
         if grid.image.factor() == 1 {
             return own.max(floor);
         }
         // On a reduced grid neighbours are correlated.
         let [near, far] =
-            [1, 2].map(|step| lower_quartile_size(self.second_differences(step).iter().copied()));
+            [1, 2].map(|step| lower_quartile_absolute(self.second_differences(step).iter().copied()));
         let alike = (far / near).max(1.0);
         let alike = if alike.is_finite() { alike } else { 1.0 };
         (own * alike).max(floor)
@@ -239,7 +239,7 @@ impl Strip {
 
     /// Range of the values.
     pub fn contrast(&self) -> f64 {
-        let [least, most] = ends_of(&self.values);
+        let [least, most] = min_max(&self.values);
         most - least
     }
 }

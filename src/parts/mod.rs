@@ -16,7 +16,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use crate::statistics::{LOWER_QUARTILE, lower_quartile_size, median_and_deviation, ordered};
+use crate::statistics::{LOWER_QUARTILE, lower_quartile_absolute, median_and_deviation, ordered};
 pub use collar::Collar;
 use collar::collars;
 use nalgebra::Vector3;
@@ -381,7 +381,7 @@ fn middles_of_rims(cylinder: &Cylinder, position: f64) -> Option<[Vector3<f64>; 
 
 /// How far points of the surface may be from it, by their distances and those of others.
 fn reach(cylinder: &Cylinder, distances: impl Iterator<Item = f64>) -> f64 {
-    let sigma = lower_quartile_size(distances) / LOWER_QUARTILE;
+    let sigma = lower_quartile_absolute(distances) / LOWER_QUARTILE;
     (REACH.get() * sigma).max(LEAST_REACH.get() * cylinder.radius)
 }
 

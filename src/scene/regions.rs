@@ -10,7 +10,7 @@ use crate::fitter::{FitResult, Fitter, Flags, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::memory::apart;
 use crate::observations::PointsView;
-use crate::statistics::{ends_of, median};
+use crate::statistics::{median, min_max};
 use nalgebra::Vector3;
 
 /// How far from the axis points of a cloud are fitted, in radii. On ../shared/scenes, fits to the true regions between 1, 0.85 and
@@ -135,7 +135,7 @@ impl Fits<'_> {
         loop {
             let positions: Vec<f64> =
                 points_of(looks, &piece).map(|point| cylinder.axis.position_of(&point)).collect();
-            let [first, last] = ends_of(&positions);
+            let [first, last] = min_max(&positions);
             let half = 0.25 * (last - first);
             let middle = median(&mut positions.clone());
             let mut inside = positions.iter().map(|position| (position - middle).abs() <= half);
@@ -200,7 +200,7 @@ impl Fits<'_> {
         let surface = |(_, result): &Fit| (result.cylinder, result.point_scale);
         let axis = &fit.1.cylinder.axis;
         let [first, last] =
-            ends_of(&points_of(looks, &region).map(|point| axis.position_of(&point)).collect::<Vec<f64>>());
+            min_max(&points_of(looks, &region).map(|point| axis.position_of(&point)).collect::<Vec<f64>>());
         let around = |(_, result): &Fit| {
             let cylinder = &result.cylinder;
             let along = first - cylinder.radius..last + cylinder.radius;

@@ -179,7 +179,7 @@ mod tests {
     use super::*;
     use crate::error::Error;
     use crate::geometry::Line;
-    use crate::statistics::ends;
+    use crate::statistics::min_max_of;
 
     /// A cube of 30 × 30 × 30 points, one point far away and one that is none.
     fn cloud() -> Vec<[f64; 3]> {
@@ -252,7 +252,7 @@ mod tests {
         for tile in &tiles {
             let numbers = || tile.iter().cloned().flatten();
             let range = |axis: usize| {
-                let [low, high] = ends(numbers().map(|k| points.at(k)[axis]));
+                let [low, high] = min_max_of(numbers().map(|k| points.at(k)[axis]));
                 high - low
             };
             assert!([0, 1, 2].into_iter().all(|axis| range(axis) <= 14.5));

@@ -4,7 +4,7 @@
 
 use super::members::reach;
 use crate::geometry::{Cylinder, any_orthogonal};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_absolute};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -149,7 +149,7 @@ pub(crate) fn is_round(
     region: impl ExactSizeIterator<Item = Vector3<f64>> + Clone,
 ) -> bool {
     let distances = region.clone().map(|point| cylinder.distance(&point));
-    let scatter = DEVIATION_OF_MEDIAN * median_size(distances);
+    let scatter = DEVIATION_OF_MEDIAN * median_absolute(distances);
     scatter <= MOST_SCATTER * cylinder.radius
         && bend(cylinder, region.clone()) >= LEAST_BEND * scatter
         && misfit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius

@@ -11,7 +11,7 @@
 use super::points::Points;
 use super::viewpoints::middle_of_some;
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_absolute};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
 /// Points that tell it, evenly spread over the order of the cloud: those that confirm a position, and those that tell one.
@@ -204,7 +204,7 @@ impl Fit {
         let mut left: List<f64> =
             pieces.iter().map(|piece| piece.density - piece.expected(&self.position).0).collect();
         self.factor = median(&mut left);
-        self.scale = DEVIATION_OF_MEDIAN * median_size(left.iter().map(|left| left - self.factor));
+        self.scale = DEVIATION_OF_MEDIAN * median_absolute(left.iter().map(|left| left - self.factor));
     }
 
     /// The step of least squares in which outliers count less.

@@ -2,7 +2,7 @@
 
 use super::image::count_in_front;
 use super::points::{Points, Pose};
-use crate::statistics::{median_point, median_size};
+use crate::statistics::{median_absolute, median_point};
 use nalgebra::{Matrix3, Vector3};
 
 /// The rays of a cloud lie within this slope about the z axis where its origin is that of a camera.
@@ -119,7 +119,7 @@ pub(super) fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64
     let step = points.usable.div_ceil(ENOUGH).max(1);
     let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).collect();
     let middle = median_point(&some);
-    let size = median_size(some.iter().map(|point| (point - middle).norm()));
+    let size = median_absolute(some.iter().map(|point| (point - middle).norm()));
     (some, middle, size)
 }
 
