@@ -1,8 +1,8 @@
 //! Fourth stage: the arcs of the ends, located in the images for the tilt of the axis.
 
+use super::constraints::{Constraints, EndPosition, ViewConstraints};
 use super::data::{Data, ViewData};
 use super::guided::CONTRADICTION;
-use super::held::{EndPosition, Held, HeldView};
 use super::located::Located;
 use super::objective::{Minimum, Precision};
 use super::run::Run;
@@ -42,31 +42,31 @@ pub(super) const ARC_ROUNDS: usize = 5;
 /// pixels it moves them by a tenth of a pixel.
 pub(super) const SETTLED_TURN: f64 = 0.004;
 
-/// A minimum contradicts the lines that it is held to where it leaves them by this many standard deviations, root mean
+/// A minimum contradicts the lines that constrain it where it leaves them by this many standard deviations, root mean
 /// square.
 const LEFT_LINES: f64 = 3.0;
 
 /// Locates the arcs of the ends from a minimum and iterates on with them, until the axis settles. Arcs that
 /// contradict the points or the limbs are something else and are dropped.
-pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
+pub(super) fn fit_with_arcs(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
     // With a radius that no limb holds the arcs bend otherwise.
-    if located.held.limbs_located() == 0 {
+    if located.constraints.limbs_located() == 0 {
         return Ok(located);
     }
     let scale = located.minimum.scale();
-    let without = located.held.clone();
-    let Located { mut minimum, mut held } = located;
+    let without = located.constraints.clone();
+    let Located { mut minimum, mut constraints } = located;
     for _ in 0..ARC_ROUNDS {
         let before = *minimum.cylinder();
         let known =
-            held.views.iter().map(|view| KnownEnds { whole: view.is_whole(), ..KnownEnds::default() });
-        held = with_arcs(data, &without, &known.collect::<List<_>>(), &before, run)?;
-        if held.views.iter().all(|view| view.arcs.ends.is_empty()) {
+            constraints.views.iter().map(|view| KnownEnds { whole: view.is_whole(), ..KnownEnds::default() });
+        constraints = with_arcs(data, &without, &known.collect::<List<_>>(), &before, run)?;
+        if constraints.views.iter().all(|view| view.arcs.ends.is_empty()) {
             break;
         }
-        let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
-        if contradicts(data, &held, &after, scale) {
-            held = without;
+        let after = data.minimise_again(&constraints, &minimum, Precision::Rough, run)?;
+        if contradicts(data, &constraints, &after, scale) {
+            constraints = without;
             break;
         }
         minimum = after;
@@ -74,17 +74,17 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
             break;
         }
     }
-    Ok(Located { minimum, held })
+    Ok(Located { minimum, constraints })
 }
 
 /// Whether a minimum with arcs contradicts the points, whose `scale` without arcs is known, or the lines. Points that scatter less
 /// with the arcs side with them: then it is a line that is wrong.
-pub(super) fn contradicts(data: &Data<'_>, held: &Held, minimum: &Minimum, scale: f64) -> bool {
-    let is_left = |(view, held): (&ViewData<'_>, &HeldView)| {
-        let squares = held.lines.as_ref()?.mean_square(&view.seen(minimum.cylinder()))?;
+pub(super) fn contradicts(data: &Data<'_>, constraints: &Constraints, minimum: &Minimum, scale: f64) -> bool {
+    let is_left = |(view, constraints): (&ViewData<'_>, &ViewConstraints)| {
+        let squares = constraints.lines.as_ref()?.mean_square(&view.seen(minimum.cylinder()))?;
         Some(squares > (LEFT_LINES * view.noise.endpoint).powi(2))
     };
-    let mut views = data.views.iter().zip(&held.views);
+    let mut views = data.views.iter().zip(&constraints.views);
     minimum.scale() > CONTRADICTION * scale
         || minimum.scale() > scale && views.any(|view| is_left(view) == Some(true))
 }
@@ -101,27 +101,27 @@ pub(super) struct KnownEnds {
 /// The arcs of the ends that the images show, each sample weighed by how well it agrees with its neighbours.
 pub(super) fn with_arcs(
     data: &Data<'_>,
-    held: &Held,
+    constraints: &Constraints,
     known: &[KnownEnds],
     cylinder: &Cylinder,
     run: &mut Run<'_>,
-) -> Result<Held> {
-    let views = data.views.iter().zip(&held.views).zip(known).map(|((view, held), known)| {
-        let found = arcs(view, held, known, &view.seen(cylinder), run)?;
+) -> Result<Constraints> {
+    let views = data.views.iter().zip(&constraints.views).zip(known).map(|((view, constraints), known)| {
+        let found = arcs(view, constraints, known, &view.seen(cylinder), run)?;
         let (arcs, ends) = found.unwrap_or_default();
-        Ok(HeldView {
+        Ok(ViewConstraints {
             arcs,
             ends: ends.map(|end| end.map(|end| EndPosition::new(&end, cylinder))),
-            ..held.clone()
+            ..constraints.clone()
         })
     });
-    Ok(Held { views: views.collect::<Result<_>>()?, ..held.clone() })
+    Ok(Constraints { views: views.collect::<Result<_>>()?, ..constraints.clone() })
 }
 
 /// The arcs that one view shows, and where they are; `None` when it shows none.
 fn arcs(
     view: &ViewData<'_>,
-    held: &HeldView,
+    constraints: &ViewConstraints,
     known: &KnownEnds,
     cylinder: &Cylinder,
     run: &mut Run<'_>,
@@ -145,9 +145,9 @@ fn arcs(
         depth: view.view.depth(),
         image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),
-        limbs_known: held.given + held.located > 0,
+        limbs_known: constraints.given + constraints.located > 0,
         noise: view.noise,
-        blur: held.limbs.as_ref().and_then(blur_of),
+        blur: constraints.limbs.as_ref().and_then(blur_of),
         last: known.last,
     };
     let ControlFlow::Continue(ends) = locate_ends(&search, cylinder, &mut || run.poll_cancel()) else {

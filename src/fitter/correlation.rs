@@ -20,7 +20,7 @@ const UNCORRELATED: f64 = 0.1;
 const UNCORRELATED_DEVIATIONS: f64 = 3.0;
 
 /// Longest range of correlation that is looked for, in points: matching windows have up to 11 pixels. What is alike
-/// farther apart is no noise but a misfit.
+/// farther apart is no noise but lack of fit.
 const LONGEST_CORRELATION: usize = 11;
 
 /// Fewest pairs of neighbours that tell a correlation: of fewer even one of 0.5 is chance.

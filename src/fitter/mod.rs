@@ -9,6 +9,7 @@ mod background;
 mod batch;
 mod body;
 mod conformity;
+mod constraints;
 mod continued;
 mod correlation;
 mod data;
@@ -18,11 +19,10 @@ mod few;
 mod fit;
 mod guided;
 mod guides;
-mod held;
 mod inputs;
+mod lack_of_fit;
 mod located;
 mod minimum;
-mod misfit;
 mod objective;
 mod options;
 mod other_body;
@@ -75,9 +75,9 @@ use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
 use crate::memory::{List, Memory, is_there};
+use constraints::Constraints;
 use continued::Last;
 use data::Data;
-use held::Held;
 use run::Run;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -118,8 +118,8 @@ pub struct Fitter {
 /// What a fit was made with.
 #[derive(Debug, Clone)]
 struct MadeWith {
-    /// What it held the cylinder to.
-    held: Held,
+    /// The constraints of the cylinder beside the points.
+    constraints: Constraints,
     /// By view: what was fitted of it, where its mask holds more than the body.
     bodies: List<Option<View>>,
 }
@@ -188,14 +188,16 @@ impl Fitter {
     /// The same for any view.
     #[must_use]
     pub fn limbs_of(&self, view: usize) -> Option<&[LimbObservation; 2]> {
-        self.made_with.as_ref()?.held.view(view)?.limbs.as_ref()
+        self.made_with.as_ref()?.constraints.view(view)?.limbs.as_ref()
     }
 
     /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
     #[must_use]
     pub fn limbs_known(&self, view: usize) -> bool {
         let made_with = self.made_with.as_ref();
-        made_with.and_then(|made_with| made_with.held.view(view)).is_some_and(|held| held.located > 0)
+        made_with
+            .and_then(|made_with| made_with.constraints.view(view))
+            .is_some_and(|constraints| constraints.located > 0)
     }
 
     /// Estimates the cylinder.
@@ -339,14 +341,14 @@ impl Fitter {
         // Of very many points a description takes as long as several steps.
         run.check()?;
         let mut result =
-            describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
+            describe::describe(&data, &fit.constraints, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
         if let Some(convergence) = &fit.convergence {
             result.add_convergence(convergence);
             result.seconds.start = started - began;
             result.seconds.solve = ended - started;
         }
         let last = Last::new(&fit);
-        Ok((MadeWith { held: fit.held, bodies }, result, last))
+        Ok((MadeWith { constraints: fit.constraints, bodies }, result, last))
     }
 
     /// What the last fit left, where the next one is to go on from it.
@@ -414,8 +416,10 @@ impl Fitter {
         self.views.iter().enumerate().map(move |(index, view)| other(index).unwrap_or(view))
     }
 
-    /// What the last fit held the cylinder to, or the given segments.
-    fn held(&self, data: &Data<'_>) -> Held {
-        self.made_with.as_ref().map_or_else(|| Held::as_given(data), |made_with| made_with.held.clone())
+    /// The constraints of the last fit, or the given segments.
+    fn constraints(&self, data: &Data<'_>) -> Constraints {
+        self.made_with
+            .as_ref()
+            .map_or_else(|| Constraints::as_given(data), |made_with| made_with.constraints.clone())
     }
 }

@@ -56,7 +56,7 @@ impl Fitter {
             }
             (Err(error), _) => return Err(error),
         };
-        if is_told || first.0.held.has_lines() || first.1.points_used < FEWEST {
+        if is_told || first.0.constraints.has_lines() || first.1.points_used < FEWEST {
             return Ok(first);
         }
         match searched {

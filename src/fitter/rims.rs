@@ -27,8 +27,8 @@ pub(super) fn without_rim(
     located: &Located,
     run: &mut Run<'_>,
 ) -> Result<Option<Located>> {
-    let Located { minimum, held } = located;
-    let ([view], [of_view]) = (&data.views[..], &held.views[..]) else { return Ok(None) };
+    let Located { minimum, constraints } = located;
+    let ([view], [of_view]) = (&data.views[..], &constraints.views[..]) else { return Ok(None) };
     let Some(limbs) = of_view.limbs.as_ref().filter(|_| of_view.located == 2) else { return Ok(None) };
     let cylinder = view.seen(minimum.cylinder());
     let left = limbs.each_ref().map(|limb| limb.line.is_ok_and(|line| view.leaves(&line, &cylinder)));
@@ -40,8 +40,8 @@ pub(super) fn without_rim(
     let found = fit_to(data, guided, &[lines_of_view(view, &limbs)], || 0.0, run)?;
     let as_well = found.filter(|found| found.minimum.scale() <= AS_WELL * minimum.scale());
     Ok(as_well.map(|mut found| {
-        found.held.views[0].limbs = Some(limbs);
-        found.held.settle(&found.minimum.scales);
+        found.constraints.views[0].limbs = Some(limbs);
+        found.constraints.settle(&found.minimum.scales);
         found
     }))
 }

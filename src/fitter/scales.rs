@@ -179,7 +179,7 @@ impl Data<'_> {
         let frame = self.frame(cylinder).moved(&view.into_view);
         // The edges of the paper's objective pull the cylinder off the points with a weight of their own: what a step to
         // the minimum of the points would take away is no noise.
-        let freed = if self.is_paper() { without_misfit(view, &frame) } else { None };
+        let freed = if self.is_paper() { at_minimum_of_points(view, &frame) } else { None };
         let band = view.neighbours.band();
         let own = match (freed, band) {
             (Some(freed), band) => Some(band.unwrap_or(view.points).distances(&freed)),
@@ -192,7 +192,7 @@ impl Data<'_> {
 }
 
 /// The frame at the minimum of the points, by a step; `None` where that is not determined.
-fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame) -> Option<LocalFrame> {
+fn at_minimum_of_points(view: &ViewData<'_>, frame: &LocalFrame) -> Option<LocalFrame> {
     let NormalEquations { gradient, hessian, .. } = view.points.linearise(frame, Squared);
     let cylinder = frame.retract(&-hessian.cholesky()?.solve(&gradient));
     Some(LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0))

@@ -5,8 +5,8 @@
 //! Lids, handles and what stands in front change the width of a mask, too: along a part of the axis, or the depth shows it. Where
 //! the width changes all along it, the body is no cylinder.
 
+use super::constraints::{Constraints, ViewConstraints};
 use super::data::{Data, ViewData};
-use super::held::{Held, HeldView};
 use super::result::Flags;
 use super::scales::Scales;
 use crate::camera::Camera;
@@ -57,10 +57,16 @@ struct Silhouette<'a> {
 impl Data<'_> {
     /// What the masks of the views say against a cylinder whose radius has a standard deviation: `MASK_DISAGREES` where one ends
     /// beside a limb along most of the axis, `BODY_TAPERS` where its sides converge.
-    pub fn masks_against(&self, held: &Held, cylinder: &Cylinder, scales: &Scales, deviation: f64) -> Flags {
-        let views = self.views.iter().zip(&held.views).zip(&scales.views).filter(|_| self.is_robust());
-        let against = views.filter_map(|((view, held), scales)| {
-            mask_against(view, held, view.seen(cylinder), NEARER * scales.point, deviation)
+    pub fn masks_against(
+        &self,
+        constraints: &Constraints,
+        cylinder: &Cylinder,
+        scales: &Scales,
+        deviation: f64,
+    ) -> Flags {
+        let views = self.views.iter().zip(&constraints.views).zip(&scales.views).filter(|_| self.is_robust());
+        let against = views.filter_map(|((view, constraints), scales)| {
+            mask_against(view, constraints, view.seen(cylinder), NEARER * scales.point, deviation)
         });
         against.fold(Flags::empty(), Flags::union)
     }
@@ -69,13 +75,13 @@ impl Data<'_> {
 /// `None` where there is nothing to compare.
 fn mask_against(
     view: &ViewData<'_>,
-    held: &HeldView,
+    constraints: &ViewConstraints,
     cylinder: Cylinder,
     nearer: f64,
     deviation: f64,
 ) -> Option<Flags> {
     // Two limbs that are seen confirm each other, whatever the mask is.
-    if held.located + held.given >= 2 || !view.view.sides_tell() {
+    if constraints.located + constraints.given >= 2 || !view.view.sides_tell() {
         return None;
     }
     let (camera, mask) = (view.camera()?, view.view.mask.as_ref()?);

@@ -29,28 +29,28 @@ impl TwoPlanes {
     pub fn new(points: &[Weighted]) -> Option<(Self, f64)> {
         let [first, last] = min_max_of(points.iter().map(|point| point.position.y));
         let step = (last - first) / PARTS as f64;
-        let mut sums = [Sums::default(); PARTS];
+        let mut moments = [Moments::default(); PARTS];
         for point in points {
             let part = ((point.position.y - first) / step) as usize;
-            sums[part.min(PARTS - 1)].add(point);
+            moments[part.min(PARTS - 1)].add(point);
         }
-        let all = sums.iter().fold(Sums::default(), |all, part| all.with(part));
-        let mut one = Sums::default();
+        let all = moments.iter().fold(Moments::default(), |all, part| all.with(part));
+        let mut one = Moments::default();
         let divided = (1..PARTS).filter_map(|part| {
-            one = one.with(&sums[part - 1]);
+            one = one.with(&moments[part - 1]);
             Self::of([&one, &all.without(&one)])
         });
         let (best, _) = divided.min_by(|a, b| a.1.total_cmp(&b.1))?;
         // A part may have points of both.
-        let mut sums = [Sums::default(); 2];
-        points.iter().for_each(|point| sums[best.seen_at(&point.position)].add(point));
-        Self::of(sums.each_ref())
+        let mut moments = [Moments::default(); 2];
+        points.iter().for_each(|point| moments[best.seen_at(&point.position)].add(point));
+        Self::of(moments.each_ref())
     }
 
     /// The planes through two sets of points, and the weighted mean of the squared distances.
-    fn of(sums: [&Sums; 2]) -> Option<(Self, f64)> {
-        let [(a, of_a), (b, of_b)] = [sums[0].plane()?, sums[1].plane()?];
-        Some((Self([a, b]), (of_a + of_b) / (sums[0].weight + sums[1].weight)))
+    fn of(moments: [&Moments; 2]) -> Option<(Self, f64)> {
+        let [(a, of_a), (b, of_b)] = [moments[0].plane()?, moments[1].plane()?];
+        Some((Self([a, b]), (of_a + of_b) / (moments[0].weight + moments[1].weight)))
     }
 
     /// Which plane is the surface at a position across: that of a box is the lower one, as z leads away from the axis.
@@ -84,13 +84,13 @@ impl Plane {
 
 /// Weights of points, and their first and second moments.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct Moments {
     weight: f64,
     first: Vector3<f64>,
     second: Matrix3<f64>,
 }
 
-impl Sums {
+impl Moments {
     fn add(&mut self, Weighted { weight, position }: &Weighted) {
         self.weight += weight;
         self.first += position * *weight;

@@ -102,13 +102,14 @@ impl Shape {
 
 impl Data<'_> {
     /// Whether the points of a view lie on a body that is no cylinder.
-    pub fn is_misfit(&self, frame: &LocalFrame, scales: &Scales) -> bool {
+    pub fn has_lack_of_fit(&self, frame: &LocalFrame, scales: &Scales) -> bool {
         let mut views = self.views.iter().zip(&scales.views);
-        self.is_robust() && views.any(|(view, scales)| is_misfit(view, &frame.moved(&view.into_view), scales))
+        self.is_robust()
+            && views.any(|(view, scales)| has_lack_of_fit(view, &frame.moved(&view.into_view), scales))
     }
 }
 
-fn is_misfit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> bool {
+fn has_lack_of_fit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> bool {
     let points = sample(&view.view.cloud, &frame.cylinder, TUKEY_EFFICIENT * scales.point);
     let Some(shape) = Shape::new(&points, frame) else { return false };
     let of_shape = Rival { explained: shape.explained, left: shape.left, numbers: TERMS as f64 };
