@@ -31,7 +31,7 @@ const STRAY: f64 = 0.002;
 const BETWEEN_QUESTIONS: usize = 1 << 18;
 
 /// An error when the search is to stop.
-type Asked<'a> = dyn Fn() -> Result<()> + 'a;
+type CancelCheck<'a> = dyn Fn() -> Result<()> + 'a;
 
 /// Finds all cylinders by the present look at the points of a cloud, until `stopped` says so; labels are by point of the part that is
 /// looked at, and there are none where nothing is found. `None` where there is nothing to look at.
@@ -123,7 +123,7 @@ fn look(
 }
 
 /// The image of the present look.
-fn image_of(looks: &mut Looks, asked: &Asked<'_>) -> Result<Option<Image>> {
+fn image_of(looks: &mut Looks, check_cancel: &CancelCheck<'_>) -> Result<Option<Image>> {
     if let Some(image) = looks.image.take() {
         return Ok(Some(image));
     }
@@ -132,5 +132,5 @@ fn image_of(looks: &mut Looks, asked: &Asked<'_>) -> Result<Option<Image>> {
     else {
         return Ok(None);
     };
-    Image::of(points, sample, (&viewpoint.pose(points), viewpoint.widest), memory, asked)
+    Image::of(points, sample, (&viewpoint.pose(points), viewpoint.widest), memory, check_cancel)
 }

@@ -6,7 +6,7 @@
 //! Data ─ start ─▶ candidates ─ guided ─▶ Guided ─ located ─▶ Located ─ arcs ─▶ Located ─ minimum ─▶ Fit
 //! ```
 //!
-//! Of very many points a part goes through all stages but the last minimum: see `few`. In a sequence `continued` may lead
+//! Of very many points a part goes through all stages but the last minimum: see `subsample`. In a sequence `continued` may lead
 //! from the data to the last minimum at once.
 
 use super::arcs;
@@ -43,9 +43,9 @@ pub(super) struct Fit {
 
 /// Fits by the method of the options. `started` is called when a start has been found.
 pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut()) -> Result<Fit> {
-    let views_of_few = data.views_of_few();
-    let few = views_of_few.as_ref().map(|views| data.of_few(views));
-    let few = few.as_ref().unwrap_or(data);
+    let views_of_subsample = data.views_of_subsample();
+    let subsample = views_of_subsample.as_ref().map(|views| data.of_subsample(views));
+    let subsample = subsample.as_ref().unwrap_or(data);
     match data.options.method {
         Method::Eberly => {
             let reason = || Error::NoStart { reason: "the moments of the points give no cylinder".into() };
@@ -53,29 +53,36 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
         }
         Method::Ransac => without_iteration(data, StartKind::Ransac, data.ransac(run)?),
         Method::Fused | Method::Points if !data.is_robust() => {
-            let candidates = few.candidates(run)?;
+            let candidates = subsample.candidates(run)?;
             started();
-            paper(data, few, &candidates, run)
+            paper(data, subsample, &candidates, run)
         }
         Method::Fused | Method::Points => {
             started();
-            let (start, located) = match continued::locate(few, run)? {
-                Some(continued) if few.count() == data.count() => return Ok(ended(continued.0, continued.1)),
+            let (start, located) = match continued::locate(subsample, run)? {
+                Some(continued) if subsample.count() == data.count() => {
+                    return Ok(ended(continued.0, continued.1));
+                }
                 Some(continued) => continued,
                 None => {
-                    let candidates = few.candidates(run)?;
+                    let candidates = subsample.candidates(run)?;
                     started();
-                    robust(few, &candidates, run)?
+                    robust(subsample, &candidates, run)?
                 }
             };
-            Ok(ended(start, last_minimum(data, few, located, run)?))
+            Ok(ended(start, last_minimum(data, subsample, located, run)?))
         }
     }
 }
 
 /// The minimum with all points and in full, in which they give way to lines as far as bent points do.
-fn last_minimum(data: &Data<'_>, few: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
-    let mut minimise = |constraints: &Constraints, from: &Minimum| match few.count() == data.count() {
+fn last_minimum(
+    data: &Data<'_>,
+    subsample: &Data<'_>,
+    located: Located,
+    run: &mut Run<'_>,
+) -> Result<Located> {
+    let mut minimise = |constraints: &Constraints, from: &Minimum| match subsample.count() == data.count() {
         true => data.minimise_again(constraints, from, Precision::Full, run),
         false => data.minimise_with_all(constraints, from, run),
     };
@@ -111,17 +118,17 @@ fn without_iteration(data: &Data<'_>, kind: StartKind, cylinder: Cylinder) -> Re
 
 /// The paper's objective, or its points alone.
 #[inline(never)] // Frames of ways that are not taken need no stack.
-fn paper(data: &Data<'_>, few: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
+fn paper(data: &Data<'_>, subsample: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let mut constraints = Constraints::as_given(data);
     if !candidates.iter().any(|candidate| data.edges_are_finite(&constraints, &candidate.cylinder)) {
         constraints = Constraints::without_edges(data, reason_without_limbs(data, candidates));
     }
-    let (start, mut minimum) = few.best_minimum(&constraints, candidates, Precision::Full, run)?;
-    if few.count() < data.count() {
-        let of_few = minimum.convergence;
-        minimum = data.minimise(&constraints, &of_few.cylinder, Precision::Full, run)?;
+    let (start, mut minimum) = subsample.best_minimum(&constraints, candidates, Precision::Full, run)?;
+    if subsample.count() < data.count() {
+        let of_subsample = minimum.convergence;
+        minimum = data.minimise(&constraints, &of_subsample.cylinder, Precision::Full, run)?;
         data.check_radius(minimum.cylinder())?;
-        minimum.convergence.add_work_of(&of_few);
+        minimum.convergence.add_work_of(&of_subsample);
     }
     Ok(Fit { scales: None, ..ended(start, Located { minimum, constraints }) })
 }

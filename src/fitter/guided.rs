@@ -378,7 +378,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
         }
         if let Ok(fit) = first {
             let limit = fit.scale() / GIVEN_CONTRADICTION;
-            if self.few_admit(&fit, limit, candidates)? || self.all_admit(&fit, limit, candidates)? {
+            if self.subsample_admits(&fit, limit, candidates)? || self.all_admit(&fit, limit, candidates)? {
                 let range = self.view().range_of_given(camera, fit.cylinder());
                 return Ok(fit.guided(range, noise.limb_of_segments()));
             }
@@ -445,8 +445,8 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
         Ok(!elsewhere && !self.starts_are_better(limit, candidates))
     }
 
-    /// The same by a few of many points. False where they leave doubt, or have no minimum of their own.
-    fn few_admit(&mut self, fit: &Attempt, limit: f64, candidates: &[Candidate]) -> Result<bool> {
+    /// The same by a subsample of many points. False where they leave doubt, or have no minimum of their own.
+    fn subsample_admits(&mut self, fit: &Attempt, limit: f64, candidates: &[Candidate]) -> Result<bool> {
         if self.data.count() < MANY * SAMPLE {
             return Ok(false);
         }
@@ -456,9 +456,9 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
         };
         // Their solves take next to no time: the bound on those of all points does not count them.
         let solves = self.run.solves;
-        let mut few = SingleViewFit { data: &data, run: self.run };
-        let beside = few.attempt(Guides::default(), &[fit.onward()]);
-        let better = few.starts_are_better(CLEAR_FACTOR * limit, candidates);
+        let mut subsample = SingleViewFit { data: &data, run: self.run };
+        let beside = subsample.attempt(Guides::default(), &[fit.onward()]);
+        let better = subsample.starts_are_better(CLEAR_FACTOR * limit, candidates);
         self.run.solves = solves;
         Ok(beside?.is_ok_and(|beside| beside.scale() >= CLEAR_FACTOR * limit) && !better)
     }

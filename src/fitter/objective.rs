@@ -128,14 +128,15 @@ impl Data<'_> {
     pub fn minimise_with_all(
         &self,
         constraints: &Constraints,
-        of_few: &Minimum,
+        of_subsample: &Minimum,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        let scales = self.scales_near(of_few.cylinder(), Some(&of_few.scales));
+        let scales = self.scales_near(of_subsample.cylinder(), Some(&of_subsample.scales));
         let precisions = [Precision::Near, Precision::Full];
-        let mut minimum = self.minimise_robust(constraints, of_few.cylinder(), scales, precisions, run)?;
+        let mut minimum =
+            self.minimise_robust(constraints, of_subsample.cylinder(), scales, precisions, run)?;
         self.check_radius(minimum.cylinder())?;
-        minimum.convergence.add_work_of(&of_few.convergence);
+        minimum.convergence.add_work_of(&of_subsample.convergence);
         Ok(minimum)
     }
 

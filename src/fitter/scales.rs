@@ -1,7 +1,7 @@
 //! The scales of the point residuals of a cylinder, and how many points are independent.
 
 use super::data::{Data, ViewData};
-use super::few;
+use super::subsample;
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::observations::are_many;
@@ -137,7 +137,7 @@ impl Data<'_> {
             // Without a list of them: the neighbours have one of their own.
             let frame = LocalFrame { unit: 1.0, ..self.frame(cylinder) }.moved(&view.into_view);
             let near = before.map(|before| before.all / DEVIATION_OF_MEDIAN);
-            let median = few::median_distance(view, &frame, near);
+            let median = subsample::median_distance(view, &frame, near);
             let all = (DEVIATION_OF_MEDIAN * median).max(self.rounding());
             let point = if told > 0.0 { told } else { all };
             return Residuals { views: List::from([List::new()]), points: List::from([point]), all };

@@ -1,6 +1,6 @@
 //! The data of one view, as they were pushed.
 
-use super::few::Neighbours;
+use super::subsample::Neighbours;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::memory::List;
@@ -133,8 +133,8 @@ impl View {
             return None;
         }
         let cloud = self.cloud.chosen(|index| (self.cloud.point(index) - middle).norm() <= reach);
-        let few = (self.cloud.len() - cloud.len()) as f64 <= FEW * self.cloud.len() as f64;
-        few.then(|| self.with_points(cloud, self.body.clone()))
+        let are_few = (self.cloud.len() - cloud.len()) as f64 <= FEW * self.cloud.len() as f64;
+        are_few.then(|| self.with_points(cloud, self.body.clone()))
     }
 
     /// The camera of image, mask and edges.

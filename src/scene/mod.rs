@@ -25,7 +25,7 @@ use labels::renumber;
 pub use results::{Found, Scene};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use work::{Share, Work};
+use work::{Work, WorkBudget};
 
 /// Bytes a pixel or point that there must be memory for before a search begins, which could not end it well later. Searches and
 /// fits of clouds of 1 to 4 million points held 32 to 123 at a time, most where one body is all of the cloud; 231 were seen.
@@ -213,7 +213,7 @@ impl Detector {
         })?;
         let fits = Fits::new(&self.options, found, size);
         let scene =
-            self.fit_regions(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))?;
+            self.fit_regions(fits, observer, |fits, task, budget| fits.of_frame(&frame, task, budget))?;
         if scene.cylinders.is_empty() {
             // Nothing confirms the shift.
             depth_moved = [0; 2];
@@ -288,8 +288,8 @@ impl Detector {
             if let Some(seen) = seen.filter(|seen| !seen.cylinders.is_empty()) {
                 let fits = Fits::new(&self.options, seen, size).after(looks.tries());
                 let fit = || {
-                    self.fit_regions(fits, observer, |fits, task, share| {
-                        fits.of_points(points, &looks, task, share)
+                    self.fit_regions(fits, observer, |fits, task, budget| {
+                        fits.of_points(points, &looks, task, budget)
                     })
                 };
                 let found = if looks.is_large() { apart(fit) } else { fit() }?;
@@ -331,7 +331,7 @@ impl Detector {
         &self,
         fits: Fits<'a>,
         observer: &mut Observer<'_>,
-        fit: impl Fn(&Fits<'a>, &Task, Option<&Share<'_>>) -> Result<Box<Found>> + Sync,
+        fit: impl Fn(&Fits<'a>, &Task, Option<&WorkBudget<'_>>) -> Result<Box<Found>> + Sync,
     ) -> Result<Scene> {
         let detections = &fits.seen.cylinders;
         let count = detections.len();
@@ -355,10 +355,10 @@ impl Detector {
                 if poll().is_break() {
                     *outcome = Some(Err(Error::Cancelled { iterations: 0 }));
                 } else if fits.may_stay(task.cylinder)
-                    && let Some(share) = work.share(index, &poll)
+                    && let Some(budget) = work.budget(index, &poll)
                 {
                     // What would be dropped whatever its fit came to has none.
-                    *outcome = Some(fit(&fits, task, Some(&share)));
+                    *outcome = Some(fit(&fits, task, Some(&budget)));
                 }
             };
             let mut done = 0;

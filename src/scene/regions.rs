@@ -3,7 +3,7 @@
 use super::fits::{Fits, Task, found, radius_deviation};
 use super::labels::indices_of;
 use super::results::Found;
-use super::work::Share;
+use super::work::WorkBudget;
 use crate::detection::{Band, Detection, Looks, grown, is_round, reach_of, with_odds_divided};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Flags, is_as_good, off_planes};
@@ -36,29 +36,29 @@ const SETTLED: f64 = 0.02;
 type Fit = (Box<Fitter>, Box<FitResult>);
 
 impl Fits<'_> {
-    /// The fit of a region of a cloud; without a share the cylinder that was found. Where a region may be a part of its body it grows
+    /// The fit of a region of a cloud; without a budget the cylinder that was found. Where a region may be a part of its body it grows
     /// over the points that belong to no other yet.
     pub fn of_points(
         &self,
         points: &PointsView<'_>,
         looks: &Looks,
         task: &Task,
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<Box<Found>> {
         let mut detection = self.seen.cylinders[task.cylinder];
         let of_look = indices_of(&self.seen.labels, task.cylinder);
         let mut region: Vec<u32> = of_look.map(|k| looks.in_all(k)).collect();
         // With very many points each step takes as long as several of a fit.
-        let check = |iterations| match share {
-            Some(share) if share.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
+        let check = |iterations| match budget {
+            Some(budget) if budget.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
             _ => Ok(()),
         };
-        let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
+        let rounds = if self.seen.whole || budget.is_none() { 0 } else { ROUNDS };
         let mut last = None;
         for _ in 0..rounds {
             let few = thinned(&region);
             let seen = Detection { pixels: few.len(), ..detection };
-            let fit = self.of_region(points, looks, &few, &seen, share)?;
+            let fit = self.of_region(points, looks, &few, &seen, budget)?;
             let cylinder = fit.1.cylinder;
             last = Some(fit);
             // A body may have many points, for which no memory is kept.
@@ -86,7 +86,7 @@ impl Fits<'_> {
         let mut body = Vec::new();
         if rounds > 0
             && !is_one
-            && let Some((piece, cylinder)) = self.round_piece(points, looks, (&region, &detection), share)?
+            && let Some((piece, cylinder)) = self.round_piece(points, looks, (&region, &detection), budget)?
         {
             body = std::mem::replace(&mut region, piece);
             is_one = true;
@@ -101,10 +101,10 @@ impl Fits<'_> {
             none.score = 0.0;
             return Ok(none);
         }
-        let fit = self.of_region(points, looks, &region, &detection, share)?;
+        let fit = self.of_region(points, looks, &region, &detection, budget)?;
         check(fit.1.iterations)?;
         let (fitter, result);
-        ((fitter, result), region) = self.off_planes(points, looks, (fit, region), &detection, share)?;
+        ((fitter, result), region) = self.off_planes(points, looks, (fit, region), &detection, budget)?;
         check(result.iterations)?;
         // The score asks how well all points of the region determine the radius.
         let mut whole = self.fitter()?;
@@ -129,7 +129,7 @@ impl Fits<'_> {
         points: &PointsView<'_>,
         looks: &Looks,
         (region, detection): (&[u32], &Detection),
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<Option<(Vec<u32>, Cylinder)>> {
         let (mut piece, mut cylinder) = (region.to_vec(), detection.cylinder);
         loop {
@@ -145,7 +145,7 @@ impl Fits<'_> {
             }
             let few = thinned(&piece);
             let seen = Detection { cylinder, pixels: few.len(), ..*detection };
-            cylinder = self.of_region(points, looks, &few, &seen, share)?.1.cylinder;
+            cylinder = self.of_region(points, looks, &few, &seen, budget)?.1.cylinder;
             if apart(|| is_round(&cylinder, points_of(looks, &piece))) {
                 return Ok(Some((piece, cylinder)));
             }
@@ -159,20 +159,20 @@ impl Fits<'_> {
         looks: &Looks,
         region: &[u32],
         detection: &Detection,
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<Fit> {
         let fit = |chosen: &[u32]| {
             let mut fitter = self.fitter()?;
             fitter.push_numbered(points, chosen.iter().map(|&k| looks.given(k)))?;
             fitter.know_as_body();
-            let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
+            let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), budget, 0.0)?;
             Ok((fitter, result))
         };
         let middle = |cylinder: &Cylinder| self.middle(looks, region, cylinder);
         let mut chosen = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(region))?;
         // Which points lie in the middle follows from the radius.
-        for _ in 1..share.map_or(1, |_| ROUNDS.min(self.attempts())) {
+        for _ in 1..budget.map_or(1, |_| ROUNDS.min(self.attempts())) {
             let next = middle(&result.cylinder);
             if next.is_none() || next == chosen {
                 break;
@@ -192,9 +192,9 @@ impl Fits<'_> {
         looks: &Looks,
         (fit, region): (Fit, Vec<u32>),
         detection: &Detection,
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<(Fit, Vec<u32>)> {
-        if self.seen.seen_from.is_some() || share.is_none() {
+        if self.seen.seen_from.is_some() || budget.is_none() {
             return Ok((fit, region));
         }
         let surface = |(_, result): &Fit| (result.cylinder, result.point_scale);
@@ -214,7 +214,7 @@ impl Fits<'_> {
                 return Ok(None);
             }
             let seen = Detection { cylinder: before.1.cylinder, pixels: rest.len(), ..*detection };
-            let again = self.of_region(points, looks, rest, &seen, share)?;
+            let again = self.of_region(points, looks, rest, &seen, budget)?;
             Ok(is_as_good(&before.1, &again.1).then_some(again))
         };
         let own = apart(|| region.iter().copied().collect());

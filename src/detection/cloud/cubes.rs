@@ -1,7 +1,7 @@
 //! A cloud in cubes: what is near lies one after the other.
 
 use super::points::Points;
-use super::{Asked, BETWEEN_QUESTIONS, STRAY};
+use super::{BETWEEN_QUESTIONS, CancelCheck, STRAY};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::observations::PointsView;
@@ -34,15 +34,15 @@ struct Cubes {
 
 impl Cubes {
     /// `None` where there are no points, or all coincide.
-    fn about(points: &Points, asked: &Asked<'_>) -> Result<Option<Self>> {
+    fn about(points: &Points, check_cancel: &CancelCheck<'_>) -> Result<Option<Self>> {
         let (mut low, mut size) = (Vector3::zeros(), 0.0_f64);
         for (axis, low) in points.axes.iter().zip(&mut low) {
-            asked()?;
+            check_cancel()?;
             let values: Vec<f64> = axis.iter().filter(|x| !x.is_nan()).map(|x| f64::from(*x)).collect();
             if values.is_empty() {
                 return Ok(None);
             }
-            asked()?;
+            check_cancel()?;
             let [first, last] = at_both_ends(&values, (STRAY * values.len() as f64) as usize);
             *low = first;
             size = size.max(last - first);
@@ -92,8 +92,12 @@ pub(super) struct Order {
 impl Order {
     /// The order of points of the caller's, and these in it, where they do not all coincide. What is far away or of no use comes
     /// last.
-    pub fn of(view: &PointsView<'_>, points: Points, asked: &Asked<'_>) -> Result<(Option<Self>, Points)> {
-        let Some(cubes) = Cubes::about(&points, asked)? else { return Ok((None, points)) };
+    pub fn of(
+        view: &PointsView<'_>,
+        points: Points,
+        check_cancel: &CancelCheck<'_>,
+    ) -> Result<(Option<Self>, Points)> {
+        let Some(cubes) = Cubes::about(&points, check_cancel)? else { return Ok((None, points)) };
         let count = points.len();
         // Much memory in a large cloud.
         drop(points);
@@ -103,7 +107,7 @@ impl Order {
         for row in 0..height {
             for column in 0..width {
                 if of_points.len().is_multiple_of(BETWEEN_QUESTIONS) {
-                    asked()?;
+                    check_cancel()?;
                 }
                 let cube = cubes.number(&view.points.at(column, row));
                 ends[cube as usize] += 1;
@@ -120,7 +124,7 @@ impl Order {
             *points = end;
         }
         firsts.push((NONE + 1, end));
-        asked()?;
+        check_cancel()?;
         let mut numbers = vec![0; count];
         for (k, cube) in of_points.iter().enumerate().rev() {
             let end = &mut ends[*cube as usize];
@@ -130,7 +134,7 @@ impl Order {
         drop((of_points, ends));
         let mut points = Points::with_room(cubes.low, count)?;
         for numbers in numbers.chunks(BETWEEN_QUESTIONS) {
-            asked()?;
+            check_cancel()?;
             for &number in numbers {
                 let number = number as usize;
                 let (column, row) = if height == 1 { (number, 0) } else { (number % width, number / width) };
@@ -190,9 +194,10 @@ mod tests {
     }
 
     fn order(points: &[[f64; 3]]) -> (Order, Points) {
-        let (view, asked) = (PointsView::from_f64(points), || Ok(()));
+        let (view, check_cancel) = (PointsView::from_f64(points), || Ok(()));
         let (order, points) =
-            Order::of(&view, Points::read(&view, Vector3::zeros(), &asked).unwrap(), &asked).unwrap();
+            Order::of(&view, Points::read(&view, Vector3::zeros(), &check_cancel).unwrap(), &check_cancel)
+                .unwrap();
         (order.unwrap(), points)
     }
 

@@ -1,7 +1,7 @@
 //! The looks at a cloud: from where, at which part of it, and how finely.
 
 use super::super::grid::side_of_cells;
-use super::Asked;
+use super::CancelCheck;
 use super::cubes::Order;
 use super::image::{FEWEST, Image};
 use super::points::Points;
@@ -192,13 +192,13 @@ impl Looks {
     }
 
     /// Reads what there is to be looked at, and chooses from where. Whether there is a look to take.
-    pub(super) fn prepare(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
+    pub(super) fn prepare(&mut self, view: &PointsView<'_>, check_cancel: &CancelCheck<'_>) -> Result<bool> {
         if self.points.is_none() {
-            let mut points = Points::read(view, Vector3::zeros(), asked)?;
+            let mut points = Points::read(view, Vector3::zeros(), check_cancel)?;
             self.far = are_far(&points);
             if self.far {
                 let among_them = points.all_usable().next().unwrap_or_default();
-                points = Points::read(view, among_them, asked)?;
+                points = Points::read(view, among_them, check_cancel)?;
             }
             self.points = Some(points);
         }
@@ -217,13 +217,13 @@ impl Looks {
             self.side = LEAST_SIDE;
             if self.level == 0 {
                 if !self.unseen {
-                    let sensor = self.sensor(asked)?;
+                    let sensor = self.sensor(check_cancel)?;
                     self.viewpoints.extend(sensor);
                 }
                 if self.viewpoints.is_empty() {
                     // More than one position may have seen what is far from the origin.
                     self.closed |= self.far;
-                    self.put_in_order(view, asked)?;
+                    self.put_in_order(view, check_cancel)?;
                     self.viewpoints = self.sample().filter(|_| !self.far).map(of_origin).unwrap_or_default();
                 }
             }
@@ -235,10 +235,10 @@ impl Looks {
     }
 
     /// Where a sensor was that has seen the cloud: in the origin, unless that is far, or where the densities of the points tell.
-    fn sensor(&mut self, asked: &Asked<'_>) -> Result<Option<Viewpoint>> {
+    fn sensor(&mut self, check_cancel: &CancelCheck<'_>) -> Result<Option<Viewpoint>> {
         let Some(points) = &self.points else { return Ok(None) };
         let image = |viewpoint: &Viewpoint, memory: Vec<u64>| {
-            Image::of(points, points, (&viewpoint.pose(points), viewpoint.widest), memory, asked)
+            Image::of(points, points, (&viewpoint.pose(points), viewpoint.widest), memory, check_cancel)
         };
         let (_, middle, _) = middle_of_some(points);
         let middle = points.origin + middle;
@@ -300,9 +300,13 @@ impl Looks {
     }
 
     /// Puts the points of the cloud into an order in which those near each other follow each other.
-    pub(super) fn put_in_order(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<()> {
+    pub(super) fn put_in_order(
+        &mut self,
+        view: &PointsView<'_>,
+        check_cancel: &CancelCheck<'_>,
+    ) -> Result<()> {
         if let Some(points) = self.points.take_if(|_| self.order.is_none()) {
-            let (order, points) = Order::of(view, points, asked)?;
+            let (order, points) = Order::of(view, points, check_cancel)?;
             (self.order, self.points, self.stale) = (order, Some(points), true);
             self.read_part();
         }

@@ -2,7 +2,7 @@
 
 use super::image::Image;
 use super::points::Points;
-use super::{Asked, BETWEEN_QUESTIONS};
+use super::{BETWEEN_QUESTIONS, CancelCheck};
 use crate::detection::{Detection, Detections};
 use crate::error::Result;
 use crate::geometry::Cylinder;
@@ -116,14 +116,14 @@ pub(super) fn labels(
     points: &Points,
     image: &Image,
     seen: &Detections,
-    asked: &Asked<'_>,
+    check_cancel: &CancelCheck<'_>,
 ) -> Result<Vec<u16>> {
     let mut labels = vec![0; points.len()];
     if image.closed {
-        label_all_around(points, image, seen, &mut labels, asked)?;
+        label_all_around(points, image, seen, &mut labels, check_cancel)?;
     } else {
         let surfaces = surfaces(points, image, seen);
-        label_where_seen(points, image, (seen, &surfaces), &mut labels, asked)?;
+        label_where_seen(points, image, (seen, &surfaces), &mut labels, check_cancel)?;
     }
     Ok(labels)
 }
@@ -134,7 +134,7 @@ fn label_all_around(
     image: &Image,
     seen: &Detections,
     labels: &mut [u16],
-    asked: &Asked<'_>,
+    check_cancel: &CancelCheck<'_>,
 ) -> Result<()> {
     let pose = &image.raster.pose;
     let balls = Ball::all(points, image);
@@ -142,7 +142,7 @@ fn label_all_around(
     for (block, (labels, ball)) in labels.chunks_mut(BLOCK).zip(&balls).enumerate() {
         let first = block * BLOCK;
         if first.is_multiple_of(BETWEEN_QUESTIONS) {
-            asked()?;
+            check_cancel()?;
         }
         let near: Vec<(u16, &Surface)> = (1..).zip(&surfaces).filter(|(_, own)| ball.meets(own)).collect();
         if near.is_empty() {
@@ -177,10 +177,10 @@ fn label_where_seen(
     image: &Image,
     (seen, surfaces): (&Detections, &[Surface]),
     labels: &mut [u16],
-    asked: &Asked<'_>,
+    check_cancel: &CancelCheck<'_>,
 ) -> Result<()> {
     let raster = &image.raster;
-    raster.project(points, asked, |first, pixels, depths| {
+    raster.project(points, check_cancel, |first, pixels, depths| {
         for (k, (&pixel, &depth)) in (first..).zip(pixels.iter().zip(depths)) {
             let Some(&label) = seen.labels.get(pixel as usize).filter(|label| **label != 0) else { continue };
             let nearest = f64::from(image.depth_at(pixel as usize));

@@ -1,6 +1,6 @@
 //! Points as the looks at a cloud read them.
 
-use super::{Asked, BETWEEN_QUESTIONS};
+use super::{BETWEEN_QUESTIONS, CancelCheck};
 use crate::error::{Error, Result};
 use crate::observations::{PointsView, spread};
 use nalgebra::{Matrix3, Vector3};
@@ -30,13 +30,13 @@ impl Points {
     }
 
     /// All of a cloud as they come, relative to a position.
-    pub fn read(view: &PointsView<'_>, origin: Vector3<f64>, asked: &Asked<'_>) -> Result<Self> {
+    pub fn read(view: &PointsView<'_>, origin: Vector3<f64>, check_cancel: &CancelCheck<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
         let mut points = Self::with_room(origin, width * height)?;
         for row in 0..height {
             for column in 0..width {
                 if points.len().is_multiple_of(BETWEEN_QUESTIONS) {
-                    asked()?;
+                    check_cancel()?;
                 }
                 points.push_given(view, column, row);
             }

@@ -109,7 +109,7 @@ fn middle_band(cloud: &PointCloud, sample: &PointCloud) -> PointCloud {
 
 impl Data<'_> {
     /// The views with a part of their points, where there are very many.
-    pub fn views_of_few(&self) -> Option<List<View>> {
+    pub fn views_of_subsample(&self) -> Option<List<View>> {
         let count = self.count();
         are_many(count).then(|| {
             let part = ENOUGH as f64 / count as f64;
@@ -118,7 +118,7 @@ impl Data<'_> {
     }
 
     /// The same data with the points of these views, which stand for all.
-    pub fn of_few<'a>(&'a self, views: &'a [View]) -> Data<'a> {
+    pub fn of_subsample<'a>(&'a self, views: &'a [View]) -> Data<'a> {
         let view = |(of_all, view): (&'a ViewData<'_>, &'a View)| ViewData {
             view,
             points: of_all.points.of(&view.cloud),
@@ -133,8 +133,8 @@ impl View {
     /// The same view with a part of its points.
     fn with_part(&self, part: f64) -> Self {
         let count = self.cloud.len();
-        let few = ((count as f64 * part) as usize).max(count.min(ENOUGH / 10));
-        self.with_points(self.cloud.spread(few), self.body.clone())
+        let size = ((count as f64 * part) as usize).max(count.min(ENOUGH / 10));
+        self.with_points(self.cloud.spread(size), self.body.clone())
     }
 }
 
