@@ -12,7 +12,7 @@ use crate::detection::{
 use crate::error::{Result, unless_cancelled};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::observations::{ENOUGH, PointsView, spread};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, PointsView, spread};
 use crate::residuals::TUKEY_EFFICIENT;
 use crate::statistics::median_absolute;
 use nalgebra::Vector3;
@@ -21,7 +21,7 @@ use std::time::Instant;
 
 constants! {
     /// The points of a body contradict a cylinder that is so many squared standard deviations away: 3 of one number, for five.
-    CONTRADICTION = 18.2, "σ²";
+    CHI_SQUARED_CONTRADICTION = 18.2, "σ²";
 
     /// They scatter about that by so many times what is left of them, in the median, at least.
     FARTHER = 1.05, "";
@@ -61,7 +61,7 @@ impl Fitter {
         clock: &Instant,
     ) -> Result<Option<Body>> {
         // Of very many a part tells where the body is.
-        let chosen = spread(view.cloud.len(), ENOUGH);
+        let chosen = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let points: List<[f64; 3]> = chosen.iter().map(|&k| view.cloud.point(k).into()).collect();
         let points = PointsView::from_f64(&points);
         let default = DetectionOptions::default();
@@ -138,7 +138,7 @@ impl Fitter {
         run: &mut Run<'_>,
         clock: &Instant,
     ) -> Result<Option<Body>> {
-        let some = spread(view.cloud.len(), ENOUGH);
+        let some = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(k)).collect();
         let Some(plane) = PlaneBeside::among(&some, first.1.point_scale) else { return Ok(None) };
         let points: List<usize> =
@@ -203,7 +203,7 @@ pub(super) fn weight(view: &View, points: impl Iterator<Item = usize>) -> f64 {
 /// Whether the points of a fit contradict the cylinder of another one.
 fn contradict((_, fit, _): &Fitted, (_, other, _): &Fitted) -> bool {
     let stated = fit.uncertainty.as_ref();
-    stated.is_some_and(|stated| stated.squared_distance(&other.cylinder) > CONTRADICTION.get())
+    stated.is_some_and(|stated| stated.squared_distance(&other.cylinder) > CHI_SQUARED_CONTRADICTION.get())
 }
 
 impl Body {

@@ -2,7 +2,7 @@
 
 use super::constraints::{Constraints, EndPosition, ViewConstraints};
 use super::data::{Data, ViewData};
-use super::guided::CONTRADICTION;
+use super::guided::SCALE_CONTRADICTION;
 use super::located::Located;
 use super::objective::{Minimum, Precision};
 use super::run::Run;
@@ -85,7 +85,7 @@ pub(super) fn contradicts(data: &Data<'_>, constraints: &Constraints, minimum: &
         Some(squares > (LEFT_LINES * view.noise.endpoint).powi(2))
     };
     let mut views = data.views.iter().zip(&constraints.views);
-    minimum.scale() > CONTRADICTION * scale
+    minimum.scale() > SCALE_CONTRADICTION * scale
         || minimum.scale() > scale && views.any(|view| is_left(view) == Some(true))
 }
 

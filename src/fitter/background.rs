@@ -6,7 +6,7 @@
 
 use super::view::View;
 use crate::geometry::{Cylinder, LocalFrame};
-use crate::observations::{ENOUGH, spread};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, spread};
 use crate::residuals::TUKEY_EFFICIENT;
 use nalgebra::{Vector2, Vector3};
 
@@ -59,7 +59,7 @@ impl Surface {
         if within > WIDEST * cylinder.radius {
             return None;
         }
-        let most = ENOUGH / views.clone().count();
+        let most = ENOUGH_POINTS_TO_FIT / views.clone().count();
         let (mut on, mut beside) = ([0.0; SECTORS], [0.0; SECTORS]);
         for view in views.clone() {
             let seen = frame.moved(&view.pose().inverse());

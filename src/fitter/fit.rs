@@ -13,7 +13,7 @@ use super::arcs;
 use super::constraints::Constraints;
 use super::continued;
 use super::data::Data;
-use super::guided::{self, CONTRADICTION, GIVEN_CONTRADICTION, Guided, reason_without_limbs};
+use super::guided::{self, GIVEN_CONTRADICTION, Guided, SCALE_CONTRADICTION, reason_without_limbs};
 use super::located::{self, Located};
 use super::objective::{Minimum, Precision};
 use super::options::{Method, StartKind};
@@ -100,7 +100,7 @@ fn last_minimum(
 /// By how much the scale of the points rises at most where they give way to lines because they are bent. Limbs that an image shows hold
 /// the radius before that. Others leave more to it: by time of flight up to 2.3 times, where noise is averaged away.
 fn most_by_bend(constraints: &Constraints) -> f64 {
-    if constraints.limbs_located() > 0 { CONTRADICTION } else { GIVEN_CONTRADICTION }
+    if constraints.limbs_located() > 0 { SCALE_CONTRADICTION } else { GIVEN_CONTRADICTION }
 }
 
 /// The constraints of a cylinder where it is not the points that are bent, but the lines that are wrong: the points do not give way.
@@ -166,7 +166,7 @@ fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<(Candid
     match unless_cancelled(without_segments(data, run))? {
         Ok((start, without))
             if without.constraints.limbs_located() >= located.constraints.limbs_located().max(1)
-                && without.minimum.scale() <= CONTRADICTION * located.minimum.scale() =>
+                && without.minimum.scale() <= SCALE_CONTRADICTION * located.minimum.scale() =>
         {
             Ok((start, without))
         }

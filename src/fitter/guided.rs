@@ -24,7 +24,7 @@ use crate::start::limbs::from_limbs;
 
 /// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
 /// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
-pub(super) const CONTRADICTION: f64 = 1.5;
+pub(super) const SCALE_CONTRADICTION: f64 = 1.5;
 
 /// The same for segments that a person set: those are believed against more bias.
 pub(super) const GIVEN_CONTRADICTION: f64 = 3.0;
@@ -341,7 +341,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
             joined = Some((fit, sides));
         }
         if let Some((fit, sides)) = joined
-            && fit.scale() <= CONTRADICTION * alone.scale()
+            && fit.scale() <= SCALE_CONTRADICTION * alone.scale()
         {
             let pixels = sides.pixels(camera).into_iter();
             let range = axial_range(camera, &view.seen(fit.cylinder()), pixels, 0.0);
@@ -412,7 +412,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
                 best = Some(fit);
             }
         }
-        let fit = best.filter(|best| best.scale() <= CONTRADICTION * alone.scale()).unwrap_or(alone);
+        let fit = best.filter(|best| best.scale() <= SCALE_CONTRADICTION * alone.scale()).unwrap_or(alone);
         let range = self.view().range_of_points(fit.cylinder());
         Ok(fit.guided(Some(range), self.view().noise.limb_of_points))
     }
@@ -479,7 +479,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
     fn points_contradict(&mut self, fit: &Attempt, candidates: &[Candidate]) -> Result<bool> {
         let Ok(alone) = unless_cancelled(self.alone(candidates))? else { return Ok(false) };
         let [a, b] = [fit, &alone].map(|fit| fit.cylinder().radius);
-        if fit.scale() > CONTRADICTION * alone.scale() {
+        if fit.scale() > SCALE_CONTRADICTION * alone.scale() {
             return Ok(true);
         }
         if a.max(b) <= RADIUS_CONTRADICTION * a.min(b) {

@@ -2,7 +2,7 @@
 
 use super::constraints::{Constraints, ViewConstraints};
 use super::data::{Data, ViewData};
-use super::guided::{CONTRADICTION, Guided, GuidedView};
+use super::guided::{Guided, GuidedView, SCALE_CONTRADICTION};
 use super::guides::BESIDE;
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
@@ -233,7 +233,7 @@ pub(super) fn fit_to(
     let minimum = data.minimise_again(&constraints, &guided.minimum, Precision::Rough, run);
     let Ok(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
     let bent = BENT * data.largest_bend(&guided.minimum);
-    let limit = CONTRADICTION * guided.minimum.scale().hypot(bent);
+    let limit = SCALE_CONTRADICTION * guided.minimum.scale().hypot(bent);
     let agrees = minimum.scale() <= limit || minimum.scale() <= limit.hypot(shift());
     Ok(agrees.then_some(Located { minimum, constraints }))
 }

@@ -6,7 +6,7 @@ use super::data::{Data, ViewData};
 use super::view::View;
 use crate::geometry::LocalFrame;
 use crate::memory::List;
-use crate::observations::{ENOUGH, PointCloud, are_many};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, PointCloud, are_many};
 use crate::residuals::PointTerm;
 use crate::statistics::{
     beside, bounds_of_median_absolute, median_absolute, median_absolute_between, order_statistics,
@@ -34,7 +34,7 @@ pub(super) struct Neighbours {
 impl Neighbours {
     pub fn new(cloud: &PointCloud, observed: bool) -> Self {
         let part: List<PointCloud> =
-            are_many(cloud.len()).then(|| cloud.spread(ENOUGH)).into_iter().collect();
+            are_many(cloud.len()).then(|| cloud.spread(ENOUGH_POINTS_TO_FIT)).into_iter().collect();
         let band: List<PointCloud> = part.iter().map(|part| middle_band(cloud, part)).collect();
         let lattice = Lattice::of_cloud(band.first().unwrap_or(cloud), observed);
         Self { part, band, lattice }
@@ -99,7 +99,7 @@ fn middle_band(cloud: &PointCloud, sample: &PointCloud) -> PointCloud {
     let length: Vector3<f64> = spreads.eigenvectors.column(spreads.eigenvalues.imax()).into();
     let along = |point: Vector3<f64>| (point - cloud.origin()).dot(&length);
     let count = cloud.len() as f64;
-    let part = (ENOUGH as f64 / count).max(ROWS_OF_BAND / count.sqrt());
+    let part = (ENOUGH_POINTS_TO_FIT as f64 / count).max(ROWS_OF_BAND / count.sqrt());
     let last = (sample.len() - 1) as f64;
     let ranks = [0.5 - 0.5 * part, 0.5 + 0.5 * part].map(|quantile| (quantile * last).round() as usize);
     let band = cloud.between(&length, order_statistics(sample.points().map(along), ranks));
@@ -112,7 +112,7 @@ impl Data<'_> {
     pub fn views_of_subsample(&self) -> Option<List<View>> {
         let count = self.count();
         are_many(count).then(|| {
-            let part = ENOUGH as f64 / count as f64;
+            let part = ENOUGH_POINTS_TO_FIT as f64 / count as f64;
             self.views.iter().map(|view| view.view.with_part(part)).collect()
         })
     }
@@ -133,7 +133,7 @@ impl View {
     /// The same view with a part of its points.
     fn with_part(&self, part: f64) -> Self {
         let count = self.cloud.len();
-        let size = ((count as f64 * part) as usize).max(count.min(ENOUGH / 10));
+        let size = ((count as f64 * part) as usize).max(count.min(ENOUGH_POINTS_TO_FIT / 10));
         self.with_points(self.cloud.spread(size), self.body.clone())
     }
 }
@@ -189,8 +189,8 @@ mod tests {
         let points = grid(&truth(), 1e-3);
         let fitter = fitter(&points);
         let cloud = fitter.cloud();
-        let band = middle_band(cloud, &cloud.spread(ENOUGH));
-        assert!((ENOUGH..2 * ENOUGH).contains(&band.len()), "{}", band.len());
+        let band = middle_band(cloud, &cloud.spread(ENOUGH_POINTS_TO_FIT));
+        assert!((ENOUGH_POINTS_TO_FIT..2 * ENOUGH_POINTS_TO_FIT).contains(&band.len()), "{}", band.len());
         let mean = band.points().sum::<Vector3<f64>>() / band.len() as f64;
         assert!((mean.y - 0.02).abs() < 1e-3, "{mean}");
         let frame = LocalFrame::new(&truth(), &truth().axis.point, 1.0);
@@ -221,7 +221,7 @@ mod tests {
         let other = other.fit().unwrap();
         assert!((other.cylinder.radius - result.cylinder.radius).abs() < 1e-3 * deviation);
         // A part of them has a minimum of its own.
-        let mut part = self::fitter(&points[..2 * ENOUGH / COLUMNS * COLUMNS]);
+        let mut part = self::fitter(&points[..2 * ENOUGH_POINTS_TO_FIT / COLUMNS * COLUMNS]);
         let part = part.fit().unwrap();
         assert!((part.cylinder.radius - result.cylinder.radius).abs() > 1e-2 * deviation);
     }

@@ -27,7 +27,7 @@ pub use image::GreyImage;
 pub use mask::Mask;
 use nalgebra::Vector2;
 pub(crate) use points::check_weights;
-pub(crate) use points::{ENOUGH, are_many, spread};
+pub(crate) use points::{ENOUGH_POINTS_TO_FIT, are_many, spread};
 pub use points::{Offsets, PointCloud};
 pub(crate) use reduced::Squares;
 pub use reduced::{ReducedImage, from_reduced};

@@ -11,7 +11,7 @@ use super::views::PointsView;
 use crate::error::{Error, Result, reserve};
 use crate::memory::List;
 use nalgebra::{Matrix3, Vector3};
-pub(crate) use part::{ENOUGH, are_many, spread};
+pub(crate) use part::{ENOUGH_POINTS_TO_FIT, are_many, spread};
 use pulp::Arch;
 use sums::{Along, Moments};
 

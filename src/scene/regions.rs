@@ -24,7 +24,7 @@ const FEWEST: usize = 50;
 const ROUNDS: usize = 4;
 
 /// Points that are enough to grow a region by.
-const ENOUGH: usize = 10_000;
+const ENOUGH_POINTS_TO_GROW: usize = 10_000;
 
 /// A piece of a body that bends or tapers is at least so many radii long: shorter ones of what is no cylinder may pass for one.
 const LONG: f64 = 6.0;
@@ -241,7 +241,7 @@ impl Fits<'_> {
 
 /// Points of a region, spread over all of it, that lead to its body.
 fn thinned(region: &[u32]) -> Vec<u32> {
-    region.iter().copied().step_by(region.len().div_ceil(ENOUGH).max(1)).collect()
+    region.iter().copied().step_by(region.len().div_ceil(ENOUGH_POINTS_TO_GROW).max(1)).collect()
 }
 
 /// Where the points of a region lie.

@@ -12,7 +12,7 @@ use super::viewpoints::{
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::observations::{ENOUGH, PointsView, spread};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, PointsView, spread};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -151,7 +151,8 @@ impl Looks {
         let is_near = |point: &Vector3<f64>| cylinder.distance(point).abs() <= reach;
         match (&self.order, &self.points) {
             (None, Some(points)) => {
-                let some = spread(points.len(), ENOUGH).into_iter().filter(|&k| points.is_usable(k));
+                let some =
+                    spread(points.len(), ENOUGH_POINTS_TO_FIT).into_iter().filter(|&k| points.is_usable(k));
                 some.map(|k| points.point(k)).filter(is_near).collect()
             }
             _ => self.near(cylinder, reach).map(|(_, point)| point).filter(is_near).collect(),

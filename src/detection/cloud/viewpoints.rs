@@ -16,7 +16,7 @@ const WIDEST_OF_FACE: f64 = 1.19;
 const NARROWEST: f64 = 1e-3;
 
 /// Points that tell in which directions others are spread.
-const ENOUGH: usize = 1024;
+const ENOUGH_DIRECTIONS: usize = 1024;
 
 /// Nearly all points.
 const NEARLY_ALL: f64 = 0.98;
@@ -116,7 +116,7 @@ pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
 
 /// Some points, their middle, and how far from that they lie.
 pub(super) fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64>, f64) {
-    let step = points.usable.div_ceil(ENOUGH).max(1);
+    let step = points.usable.div_ceil(ENOUGH_DIRECTIONS).max(1);
     let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).collect();
     let middle = median_point(&some);
     let size = median_absolute(some.iter().map(|point| (point - middle).norm()));

@@ -4,7 +4,7 @@ use super::PointCloud;
 use crate::memory::List;
 
 /// Points that lead to a minimum, and that tell the correlation of noise: that of neighbours is known to 1/√n then.
-pub(crate) const ENOUGH: usize = 20_000;
+pub(crate) const ENOUGH_POINTS_TO_FIT: usize = 20_000;
 
 /// Where there are more than so many times as many, a part of them comes first.
 const MANY: usize = 2;
@@ -14,7 +14,7 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Whether there are so many points that a part of them comes first.
 pub(crate) fn are_many(count: usize) -> bool {
-    count > MANY * ENOUGH
+    count > MANY * ENOUGH_POINTS_TO_FIT
 }
 
 impl PointCloud {
@@ -42,8 +42,10 @@ mod tests {
     #[test]
     fn a_spread_takes_all_columns_alike() {
         let (count, columns) = (1_000_000, 1000);
-        let indices = spread(count, ENOUGH);
-        assert!(indices.is_sorted() && indices.len() == ENOUGH && *indices.last().unwrap() < count);
+        let indices = spread(count, ENOUGH_POINTS_TO_FIT);
+        assert!(
+            indices.is_sorted() && indices.len() == ENOUGH_POINTS_TO_FIT && *indices.last().unwrap() < count
+        );
         let mut taken = vec![0; columns];
         indices.iter().for_each(|index| taken[index % columns] += 1);
         assert!(taken.iter().all(|taken| (15..=25).contains(taken)), "{taken:?}");
