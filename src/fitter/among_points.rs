@@ -53,7 +53,7 @@ pub(super) struct Body {
 
 impl Fitter {
     /// The body that a search finds among the points, a likely one with the most of them.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn likely_body(
         &self,
         view: &View,
@@ -96,7 +96,7 @@ impl Fitter {
     }
 
     /// The body of a region that was found, grown over all points unless it has `whole` of it; `None` where that is not round.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn body_of(
         &self,
         view: &View,
@@ -130,7 +130,7 @@ impl Fitter {
     }
 
     /// The body beside a plane that a quarter of the points lie on, and scatter less about it than about the first cylinder.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn body_beside_plane(
         &self,
         view: &View,
@@ -153,7 +153,7 @@ impl Fitter {
     }
 
     /// The fit to some points of a view, from a cylinder in its coordinates where one is known.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn fit_of_points(
         &self,
         view: &View,
@@ -213,7 +213,7 @@ impl Body {
     }
 
     /// Whether its points contradict a first fit to all points of the view, and those beyond it belong to something else.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub fn contradicts(&self, first: &Fitted, view: &View) -> bool {
         let into_view = view.pose().inverse();
         let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));

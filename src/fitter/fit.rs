@@ -117,7 +117,7 @@ fn without_iteration(data: &Data<'_>, kind: StartKind, cylinder: Cylinder) -> Re
 }
 
 /// The paper's objective, or its points alone.
-#[inline(never)] // Frames of ways that are not taken need no stack.
+#[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
 fn paper(data: &Data<'_>, subsample: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
     let mut constraints = Constraints::as_given(data);
     if !candidates.iter().any(|candidate| data.edges_are_finite(&constraints, &candidate.cylinder)) {

@@ -289,7 +289,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
 
     /// With a mask: the given segments if its sides agree with them, else segments and sides together, else the segments
     /// alone, else what single lines the points admit.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn by_mask(
         &mut self,
         camera: &Camera,
@@ -362,7 +362,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
     }
 
     /// Without a mask: the given segments if the points admit them, else a single one.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn by_segments(
         &mut self,
         camera: &Camera,
@@ -389,7 +389,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
 
     /// Of the fits to single lines the one that the points contradict least, or the one to the points alone if they
     /// contradict all.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn by_one(
         &mut self,
         camera: &Camera,

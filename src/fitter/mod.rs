@@ -266,7 +266,7 @@ impl Fitter {
 
     /// The fit of the views, of which those without a mask have that of their points. `None` where there are none, and where the fit is poor,
     /// as the points may be anything, or locates no limb: then their outline alone would tell the radius.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_by_outline(&self, run: &mut Run<'_>, clock: &Instant) -> Result<Option<Fitted>> {
         let masked = self.with_masks_of_points();
         if masked.is_empty() {
@@ -279,7 +279,7 @@ impl Fitter {
     }
 
     /// The fits after a first one, to sides that are drawn about the one before; `masked` are views with a mask of their points.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_to_drawn(
         &self,
         mut fit: Fitted,

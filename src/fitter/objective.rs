@@ -154,7 +154,7 @@ impl Data<'_> {
         Ok(minimum)
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn minimise_paper(
         &self,
         constraints: &Constraints,
@@ -233,7 +233,7 @@ impl Data<'_> {
         Ok(Minimum { convergence, scales })
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn paper_objective(
         &self,
         constraints: &Constraints,
@@ -261,7 +261,7 @@ impl Data<'_> {
         paper_objective(&points, &limbs, constraints.edge_weight)
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn robust_objective<'a>(
         &'a self,
         constraints: &'a Constraints,

@@ -33,7 +33,7 @@ const LEAST_ON: f64 = 0.25;
 
 impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them, or where that failed.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn fit_to_body(
         &self,
         first: Result<Fitted>,
@@ -68,7 +68,7 @@ impl Fitter {
     }
 
     /// The same for points of a view that may lie on several surfaces; `None` where neither a first fit nor a body is there.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_among_surfaces(
         &self,
         view: &View,
@@ -112,7 +112,7 @@ impl Fitter {
 
     /// The fit to some points of a view without those of planes that touch the cylinder or cross it, what is left of them, and all planes
     /// among the others.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_off_planes(
         &self,
         view: &View,
@@ -136,7 +136,7 @@ impl Fitter {
     }
 
     /// The fits after a first one without points that lie on the cylinder before by chance.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_to_surface(&self, mut fit: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
         let bodies = fit.0.bodies.clone();
         let views = self.views_or(&bodies);

@@ -20,7 +20,7 @@ const DEVIATIONS: f64 = 2.0;
 
 /// The fit to a single view without the line of one limb, where the fit to both leaves it and it is drawn to a rim. `None` where there is
 /// none, and where the points do not lie on that cylinder as well.
-#[inline(never)] // Frames of ways that are not taken need no stack.
+#[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
 pub(super) fn without_rim(
     data: &Data<'_>,
     guided: &Guided,

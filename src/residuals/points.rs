@@ -75,7 +75,7 @@ impl<'a> PointTerm<'a> {
         Self { slopes, ..self }
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn slopes_of_influence(&self, frame: &LocalFrame, loss: impl Loss) -> Option<TangentMap> {
         let root = self.linearise(frame, loss).hessian.cholesky()?.l();
         let by_slopes = self.linearise(frame, BySlopes(loss)).hessian;

@@ -123,7 +123,7 @@ impl Fits<'_> {
 
     /// A piece of a long body that bends or tapers, such as a trunk, for which it is a cylinder: half of it about the middle of its points,
     /// half of that, and so on. `None` where none is.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn round_piece(
         &self,
         points: &PointsView<'_>,
@@ -185,7 +185,7 @@ impl Fits<'_> {
 
     /// A fit without points of planes that touch the body or cross it, such as a floor on which it lies, and what is left of its region.
     /// Where a sensor that draws points out next to limbs has seen the cloud, these errors outweigh such points.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn off_planes(
         &self,
         points: &PointsView<'_>,
