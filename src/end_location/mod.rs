@@ -84,7 +84,7 @@ pub enum MaskContent {
     Anything,
     /// The lateral surface alone.
     Body,
-    /// The same, as a search found it: regions end at lids as well as at caps, so that far rims tell little.
+    /// The lateral surface alone, as a search found it: regions end at lids as well as at caps, so that far rims tell little.
     Region,
 }
 

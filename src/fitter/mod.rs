@@ -185,7 +185,7 @@ impl Fitter {
         self.limbs_of(self.selected)
     }
 
-    /// The same for any view.
+    /// What the last fit saw of the two limbs in the image of a view, as [`Fitter::limbs`] gives it of the selected one.
     #[must_use]
     pub fn limbs_of(&self, view: usize) -> Option<&[LimbObservation; 2]> {
         self.made_with.as_ref()?.constraints.view(view)?.limbs.as_ref()
@@ -210,8 +210,8 @@ impl Fitter {
         self.fit_with(&mut |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `report` is called before every iteration, and with the last one again while a start is searched and limbs and
-    /// ends are located, and may stop the fit.
+    /// Estimates the cylinder, as [`Fitter::fit`] does. `report` is called before every iteration, and with the last one again
+    /// while a start is searched and limbs and ends are located, and may stop the fit.
     ///
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.

@@ -229,7 +229,7 @@ impl Parts {
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 
-    /// The same of points alone, which do not tell where the body ends.
+    /// The parts of points alone, which do not tell where the body ends.
     #[must_use]
     pub fn of_points(cylinder: &Cylinder, points: impl Iterator<Item = Vector3<f64>>) -> Self {
         // Without a mask most of them may be of the background, which says nothing of the noise.
@@ -250,7 +250,7 @@ impl Parts {
         passes_between(&self.cylinder, ray, self.ends.map(|end| Some(end?.position)))
     }
 
-    /// The same without lids, rims and rings that are wider than the body.
+    /// Whether a ray passes the cylinder between its ends, lids, rims and rings that are wider than the body left out.
     #[must_use]
     pub fn within_body(&self, ray: &Vector3<f64>) -> bool {
         let beside = |collar: &Collar| {

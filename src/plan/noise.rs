@@ -83,7 +83,7 @@ pub struct StepNoise {
     /// At each limb, the standard deviation of a pixel as a part of the step of brightness: of the steps along the limb their
     /// root mean square. The default is 0.014: a step of half the full scale, and pixels of some 10,000 electrons.
     pub limbs: [f64; 2],
-    /// The same at the ends. Where the tilt is positive the first end is the nearer one.
+    /// At each end, the standard deviation of a pixel as a part of the step of brightness. Where the tilt is positive the first end is the nearer one.
     pub ends: [f64; 2],
     /// Blur of lens and focus, the standard deviation of a Gauss curve in pixels. The default is 0.7.
     pub blur: f64,
@@ -96,7 +96,7 @@ impl Default for StepNoise {
 }
 
 impl StepNoise {
-    /// The same noise at all limbs and ends.
+    /// Noise that is alike at all limbs and ends, with the blur of the image.
     #[must_use]
     pub const fn alike(noise: f64, blur: f64) -> Self {
         Self { limbs: [noise; 2], ends: [noise; 2], blur }

@@ -183,7 +183,7 @@ impl Detector {
         unobserved(|observer| self.detect_with(frame, observer))
     }
 
-    /// The same with an observer.
+    /// Finds and fits all cylinders of a frame, as [`Detector::detect`] does, with an observer of its progress that may cancel it.
     ///
     /// # Errors
     /// Those of [`Detector::detect`], and `Cancelled`.
@@ -253,7 +253,8 @@ impl Detector {
         unobserved(|observer| self.detect_points_with(points, observer))
     }
 
-    /// The same with an observer.
+    /// Finds and fits all cylinders of a cloud, as [`Detector::detect_points`] does, with an observer of its progress that may
+    /// cancel it.
     ///
     /// # Errors
     /// Those of [`Detector::detect_points`], and `Cancelled`.

@@ -65,7 +65,7 @@ fn smooth(seed: u64, at: [f64; 2]) -> f64 {
 pub struct Material {
     /// The share of light that comes back in all directions (Lambert), from 0 to 1.
     pub albedo: f64,
-    /// The same of the flat ends.
+    /// The share of light that comes back in all directions from the flat ends, from 0 to 1.
     pub cap_albedo: f64,
     /// What is printed on it.
     pub texture: Texture,
