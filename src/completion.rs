@@ -41,7 +41,9 @@ impl Fitter {
         self.memory().lend(|| self.cast("completing the points", model, mask, emit))
     }
 
-    /// The same for the depth image of the selected view: `emit` gets the depth z along the axis of its camera.
+    /// Casts the rays of a mask as [`Fitter::complete`] does, and completes the depth image of the selected view: `emit` gets
+    /// every pixel of the image, row by row, as (column, row, depth z along the axis of its camera), with `None` outside the
+    /// mask and where no surface is met.
     ///
     /// # Errors
     /// Those of [`Fitter::complete`].

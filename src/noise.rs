@@ -238,7 +238,7 @@ impl ImageNoise {
         self.growth + UNEVEN * self.unevenness
     }
 
-    /// The same in an image whose pixels are the means of boxes of `factor` columns and rows.
+    /// This noise in an image whose pixels are the means of boxes of `factor` columns and rows.
     #[must_use]
     pub fn reduced(&self, factor: usize) -> Self {
         let ratio = factor as f64;

@@ -11,13 +11,13 @@ pub(crate) const DEVIATION_OF_MEDIAN: f64 = 1.4826;
 pub(crate) const LOWER_QUARTILE: f64 = 0.3186;
 
 /// The least and the largest of some numbers.
-pub(crate) fn ends(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
+pub(crate) fn min_max_of(numbers: impl Iterator<Item = f64>) -> [f64; 2] {
     numbers
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], number| [low.min(number), high.max(number)])
 }
 
-/// The same of numbers in a list.
-pub(crate) fn ends_of(numbers: &[f64]) -> [f64; 2] {
+/// The least and the largest of the numbers in a list.
+pub(crate) fn min_max(numbers: &[f64]) -> [f64; 2] {
     // Several side by side: none waits for another.
     let (mut low, mut high) = ([f64::INFINITY; 8], [f64::NEG_INFINITY; 8]);
     for some in numbers.chunks(low.len()) {
@@ -52,14 +52,14 @@ pub(crate) fn median_and_deviation(values: &mut [f64]) -> [f64; 2] {
 }
 
 /// The upper median of the absolute values of numbers, 0 for none.
-pub(crate) fn median_size(numbers: impl Iterator<Item = f64>) -> f64 {
-    size_at(numbers, 2)
+pub(crate) fn median_absolute(numbers: impl Iterator<Item = f64>) -> f64 {
+    quantile_absolute(numbers, 2)
 }
 
 /// The same of numbers whose upper median of the absolute values is about known. What is known changes nothing but the time.
-pub(crate) fn median_size_near(numbers: &[f64], near: f64) -> f64 {
-    let median = median_size_between(beside(near), numbers.len(), |receive| receive(numbers));
-    median.unwrap_or_else(|| median_size(numbers.iter().copied()))
+pub(crate) fn median_absolute_near(numbers: &[f64], near: f64) -> f64 {
+    let median = median_absolute_between(beside(near), numbers.len(), |receive| receive(numbers));
+    median.unwrap_or_else(|| median_absolute(numbers.iter().copied()))
 }
 
 /// The bounds about a median that is about known, between which it is found at once.
@@ -70,14 +70,14 @@ pub(crate) fn beside(near: f64) -> [f64; 2] {
 
 /// Adds the bits of absolute values to a list that are not below a first nor above a last one, of which there are few, and counts
 /// those that are below. No closures: what is not inlined does without vector instructions.
-struct BetweenSizes<'a> {
+struct BetweenAbsolute<'a> {
     numbers: &'a [f64],
     first: u64,
     last: u64,
     found: &'a mut List<u64>,
 }
 
-impl WithSimd for BetweenSizes<'_> {
+impl WithSimd for BetweenAbsolute<'_> {
     type Output = usize;
 
     #[inline(always)]
@@ -96,16 +96,16 @@ impl WithSimd for BetweenSizes<'_> {
                 any |= (size >= first) & (size <= last);
             }
             if any {
-                add_sizes(block, [first, last], found);
+                add_absolute(block, [first, last], found);
             }
         }
-        add_sizes(rest, [first, last], found);
+        add_absolute(rest, [first, last], found);
         below as usize
     }
 }
 
 #[inline(always)]
-fn add_sizes(numbers: &[f64], [first, last]: [u64; 2], found: &mut List<u64>) {
+fn add_absolute(numbers: &[f64], [first, last]: [u64; 2], found: &mut List<u64>) {
     for number in numbers {
         let size = number.abs().to_bits();
         if size >= first && size <= last {
@@ -147,10 +147,10 @@ pub(crate) fn independent_part(residuals: &[f64]) -> f64 {
 }
 
 /// Between which absolute values the median of many numbers is that a `sample` is like; `None` for a small one.
-pub(crate) fn bounds_of_median_size(sample: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+pub(crate) fn bounds_of_median_absolute(sample: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let mut sample: List<u64> = sample.map(|number| number.abs().to_bits()).collect();
     sample.sort_unstable();
-    // Four standard deviations of the place of the median in the sample.
+    // Four standard deviations of the rank of the median in the sample.
     let (middle, reach) = (sample.len() / 2, 2 * sample.len().isqrt() + 1);
     let [low, high] = [sample.get(middle.checked_sub(reach)?)?, sample.get(middle + reach)?];
     Some([low, high].map(|bits| f64::from_bits(*bits)))
@@ -158,7 +158,7 @@ pub(crate) fn bounds_of_median_size(sample: impl Iterator<Item = f64>) -> Option
 
 /// The upper median of the absolute values of so many numbers that come in blocks, of which those between two bounds are kept; `None`
 /// where it is not one of these.
-pub(crate) fn median_size_between(
+pub(crate) fn median_absolute_between(
     bounds: [f64; 2],
     count: usize,
     blocks: impl FnOnce(&mut dyn FnMut(&[f64])),
@@ -167,26 +167,26 @@ pub(crate) fn median_size_between(
     let mut found = List::with_capacity(count / 8);
     let mut below = 0;
     blocks(&mut |numbers| {
-        below += Arch::new().dispatch(BetweenSizes { numbers, first, last, found: &mut found });
+        below += Arch::new().dispatch(BetweenAbsolute { numbers, first, last, found: &mut found });
     });
-    let place = (count / 2).checked_sub(below).filter(|&place| place < found.len())?;
-    Some(f64::from_bits(nth(&mut found, place)))
+    let rank = (count / 2).checked_sub(below).filter(|&rank| rank < found.len())?;
+    Some(f64::from_bits(nth(&mut found, rank)))
 }
 
 /// The lower quartile of the absolute values of numbers, 0 for none.
-pub(crate) fn lower_quartile_size(numbers: impl Iterator<Item = f64>) -> f64 {
-    size_at(numbers, 4)
+pub(crate) fn lower_quartile_absolute(numbers: impl Iterator<Item = f64>) -> f64 {
+    quantile_absolute(numbers, 4)
 }
 
 /// The 1/`parts` quantile of the absolute values of numbers, 0 for none.
-fn size_at(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
+fn quantile_absolute(numbers: impl Iterator<Item = f64>, parts: usize) -> f64 {
     // Numbers without sign are ordered as their bits are, which are quicker to compare.
     let mut sizes: List<u64> = numbers.map(|number| number.abs().to_bits()).collect();
     if sizes.is_empty() {
         return 0.0;
     }
-    let place = sizes.len() / parts;
-    f64::from_bits(nth(&mut sizes, place))
+    let rank = sizes.len() / parts;
+    f64::from_bits(nth(&mut sizes, rank))
 }
 
 const SIGN: u64 = 1 << 63;
@@ -204,10 +204,13 @@ pub(crate) fn ordered_single(number: f32) -> u32 {
     bits ^ ((bits.cast_signed() >> 31).cast_unsigned() | 1 << 31)
 }
 
-/// The numbers at some places of the ordered list, of which there must be as many.
-pub(crate) fn at_places<const N: usize>(numbers: impl Iterator<Item = f64>, places: [usize; N]) -> [f64; N] {
+/// Order statistics: the numbers that have some ranks, from 0 on, of which there must be as many.
+pub(crate) fn order_statistics<const N: usize>(
+    numbers: impl Iterator<Item = f64>,
+    ranks: [usize; N],
+) -> [f64; N] {
     let mut ordered: List<u64> = numbers.map(ordered).collect();
-    places.map(|place| number(nth(&mut ordered, place)))
+    ranks.map(|rank| number(nth(&mut ordered, rank)))
 }
 
 /// The number that has these ordered bits.
@@ -221,10 +224,10 @@ pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     if outer < FEW_OUTER {
         return few_outer(numbers, outer);
     }
-    let all = || at_places(numbers.iter().copied(), [outer, count - 1 - outer]);
-    // Their place in a sample, with three standard deviations of that.
-    let place = outer as f64 * SAMPLE as f64 / count as f64;
-    let reach = (place + 3.0 * place.sqrt() + 3.0) as usize;
+    let all = || order_statistics(numbers.iter().copied(), [outer, count - 1 - outer]);
+    // Their rank in a sample, with three standard deviations of that.
+    let rank = outer as f64 * SAMPLE as f64 / count as f64;
+    let reach = (rank + 3.0 * rank.sqrt() + 3.0) as usize;
     if count < 8 * SAMPLE || 2 * reach >= SAMPLE {
         return all();
     }
@@ -243,7 +246,7 @@ pub(crate) fn at_both_ends(numbers: &[f64], outer: usize) -> [f64; 2] {
     let (Some(last), true) = (highest.len().checked_sub(outer + 1), lowest.len() > outer) else {
         return all();
     };
-    let nth = |numbers: &mut [f64], place: usize| *numbers.select_nth_unstable_by(place, f64::total_cmp).1;
+    let nth = |numbers: &mut [f64], rank: usize| *numbers.select_nth_unstable_by(rank, f64::total_cmp).1;
     [nth(&mut lowest, outer), nth(&mut highest, last)]
 }
 
@@ -255,7 +258,7 @@ fn few_outer(numbers: &[f64], outer: usize) -> [f64; 2] {
     let (mut least, mut most) = ([f64::INFINITY; FEW_OUTER], [f64::INFINITY; FEW_OUTER]);
     for block in numbers.chunks(16) {
         // Most blocks have none of them.
-        let [low, high] = ends_of(block);
+        let [low, high] = min_max(block);
         if low < least[outer] {
             block.iter().for_each(|number| insert(&mut least[..=outer], *number));
         }
@@ -270,43 +273,43 @@ fn few_outer(numbers: &[f64], outer: usize) -> [f64; 2] {
 fn insert(least: &mut [f64], number: f64) {
     let last = least.len() - 1;
     if number < least[last] {
-        let place = least.partition_point(|other| *other <= number);
-        least.copy_within(place..last, place + 1);
-        least[place] = number;
+        let index = least.partition_point(|other| *other <= number);
+        least.copy_within(index..last, index + 1);
+        least[index] = number;
     }
 }
 
 /// Numbers of a sample, which tells about where another one is.
 const SAMPLE: usize = 256;
 
-/// The number at some place of the ordered list; few numbers come out in another order.
-fn nth(numbers: &mut [u64], place: usize) -> u64 {
+/// The number of a rank in the ordered list; few numbers come out in another order.
+fn nth(numbers: &mut [u64], rank: usize) -> u64 {
     let count = numbers.len();
     if count < 4 * SAMPLE {
-        return *numbers.select_nth_unstable(place).1;
+        return *numbers.select_nth_unstable(rank).1;
     }
     let mut sample: [u64; SAMPLE] = std::array::from_fn(|k| numbers[k * count / SAMPLE]);
-    let (lower, &mut near, upper) = sample.select_nth_unstable(place * SAMPLE / count);
+    let (lower, &mut near, upper) = sample.select_nth_unstable(rank * SAMPLE / count);
     let below = Arch::new().dispatch(|| numbers.iter().map(|number| u64::from(*number < near)).sum::<u64>());
     let below = below as usize;
     // As many of the sample as lie between that number and the wanted one, and three standard deviations more.
-    let expected = (place.abs_diff(below) * SAMPLE) as f64 / count as f64;
+    let expected = (rank.abs_diff(below) * SAMPLE) as f64 / count as f64;
     let reach = (expected + 3.0 * expected.sqrt() + 3.0) as usize;
     let mut found = List::with_capacity(count);
-    let at = if place >= below {
+    let at = if rank >= below {
         let last = if reach < upper.len() { *upper.select_nth_unstable(reach).1 } else { u64::MAX };
         Arch::new().dispatch(Between { numbers, first: near, last, found: &mut found });
-        Some(place - below)
+        Some(rank - below)
     } else {
         let first = lower.len().checked_sub(reach + 1).map_or(0, |k| *lower.select_nth_unstable(k).1);
         // Some of the sample may be as large as that number.
         let last = near - 1;
         Arch::new().dispatch(Between { numbers, first: first.min(last), last, found: &mut found });
-        found.len().checked_sub(below - place)
+        found.len().checked_sub(below - rank)
     };
     match at {
         Some(at) if at < found.len() => *found.select_nth_unstable(at).1,
-        _ => *numbers.select_nth_unstable(place).1,
+        _ => *numbers.select_nth_unstable(rank).1,
     }
 }
 
@@ -365,12 +368,12 @@ mod tests {
     #[test]
     fn what_is_known_of_a_median_does_not_change_it() {
         let numbers: Vec<f64> = (0..1003).map(|k| f64::from((k * 7919) % 1009) - 500.0).collect();
-        let median = median_size(numbers.iter().copied());
+        let median = median_absolute(numbers.iter().copied());
         for near in [0.0, 0.5, 0.94, 0.96, 1.0, 1.04, 1.2, f64::INFINITY, f64::NAN] {
-            assert_eq!(median_size_near(&numbers, near * median), median);
-            assert_eq!(median_size_near(&numbers[..3], near * median), 356.0);
+            assert_eq!(median_absolute_near(&numbers, near * median), median);
+            assert_eq!(median_absolute_near(&numbers[..3], near * median), 356.0);
         }
-        assert_eq!(median_size_near(&[], 1.0), 0.0);
+        assert_eq!(median_absolute_near(&[], 1.0), 0.0);
     }
 
     #[test]
@@ -396,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn many_numbers_have_the_same_place_as_few() {
+    fn many_numbers_have_the_same_rank_as_few() {
         let mut state = 1_u64;
         let mut random = || {
             state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
@@ -415,16 +418,16 @@ mod tests {
         for numbers in [many, equal, rising, periodic, few, largest] {
             let mut ordered = numbers.clone();
             ordered.sort_unstable();
-            for place in [0, numbers.len() / 4, numbers.len() / 2, numbers.len() - 1] {
-                assert_eq!(nth(&mut numbers.clone(), place), ordered[place]);
+            for rank in [0, numbers.len() / 4, numbers.len() / 2, numbers.len() - 1] {
+                assert_eq!(nth(&mut numbers.clone(), rank), ordered[rank]);
             }
         }
     }
 
     #[test]
-    fn places_count_from_the_lowest_number() {
+    fn ranks_count_from_the_lowest_number() {
         let numbers = [3.0, -1.0, 0.0, -7.5, 2.0];
-        assert_eq!(at_places(numbers.into_iter(), [0, 1, 2, 4]), [-7.5, -1.0, 0.0, 3.0]);
+        assert_eq!(order_statistics(numbers.into_iter(), [0, 1, 2, 4]), [-7.5, -1.0, 0.0, 3.0]);
     }
 
     #[test]
@@ -450,12 +453,12 @@ mod tests {
     }
 
     #[test]
-    fn the_median_size_has_no_sign() {
+    fn the_median_absolute_has_no_sign() {
         let numbers = [3.0, -1.0, 7.0, -4.0, 1e-300, -0.0, 5.0, f64::INFINITY];
         let mut sizes = numbers.map(f64::abs);
-        assert_eq!(median_size(numbers.into_iter()), median(&mut sizes));
-        assert_eq!(median_size(std::iter::empty()), 0.0);
-        assert_eq!(lower_quartile_size([5.0, -2.0, 3.0, -1.0].into_iter()), 2.0);
-        assert_eq!(lower_quartile_size(std::iter::empty()), 0.0);
+        assert_eq!(median_absolute(numbers.into_iter()), median(&mut sizes));
+        assert_eq!(median_absolute(std::iter::empty()), 0.0);
+        assert_eq!(lower_quartile_absolute([5.0, -2.0, 3.0, -1.0].into_iter()), 2.0);
+        assert_eq!(lower_quartile_absolute(std::iter::empty()), 0.0);
     }
 }

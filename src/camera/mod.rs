@@ -118,14 +118,14 @@ impl Camera {
         let ratio = factor.max(1) as f64;
         let Intrinsics { width, height, fx, fy, cx, cy, distortion } = self.intrinsics;
         let count = |pixels: u32| (f64::from(pixels) / ratio) as u32;
-        let place = |place: f64| (place + 0.5) / ratio - 0.5;
+        let reduced = |coordinate: f64| (coordinate + 0.5) / ratio - 0.5;
         let intrinsics = Intrinsics {
             width: count(width),
             height: count(height),
             fx: fx / ratio,
             fy: fy / ratio,
-            cx: place(cx),
-            cy: place(cy),
+            cx: reduced(cx),
+            cy: reduced(cy),
             distortion,
         };
         Self::with_lens(intrinsics, self.lens.clone())
@@ -156,11 +156,11 @@ impl Camera {
     pub(crate) fn project_line(
         &self,
         [start, direction, offset]: [&Vector3<f64>; 3],
-        places: &[f64],
+        parameters: &[f64],
         x: &mut [f64],
         y: &mut [f64],
     ) {
-        let points = places.iter().map(|t| start + direction * *t + offset);
+        let points = parameters.iter().map(|t| start + direction * *t + offset);
         let pixels = points.zip(x.iter_mut().zip(y));
         if !matches!(self.lens, Lens::Pinhole) {
             for (point, (x, y)) in pixels {
@@ -207,17 +207,17 @@ impl Camera {
         }
     }
 
-    /// Takes x and y of the rays with z = 1 of whole pixels of a row, by their places from one at a column and a row on. Says whether
+    /// Takes x and y of the rays with z = 1 of whole pixels of a row, by their offsets from one at a column and a row on. Says whether
     /// all of them have one that is known already; else what was taken is of no use.
     #[inline]
     pub(crate) fn take_known_rays(
         &self,
         pixel: (usize, usize),
-        places: &[usize],
+        offsets: &[usize],
         x: &mut [f64],
         y: &mut [f64],
     ) -> bool {
-        self.rays.as_ref().is_some_and(|rays| rays.take_known(pixel, places, x, y))
+        self.rays.as_ref().is_some_and(|rays| rays.take_known(pixel, offsets, x, y))
     }
 
     /// The rays with z = 1 of whole pixels, each given by column and row, by their numbers x and y, which are not numbers for a

@@ -11,7 +11,7 @@ const UNKNOWN: u64 = u64::MAX;
 const NO_RAY: u64 = f64::NAN.to_bits();
 
 /// The bits of x and y of a ray with z = 1, [`UNKNOWN`] or [`NO_RAY`].
-type Place = [AtomicU64; 2];
+type Entry = [AtomicU64; 2];
 
 /// The rays of the whole pixels of an image through a lens, remembered from when they are first asked for: 16 bytes a
 /// pixel when all were asked for.
@@ -24,7 +24,7 @@ pub(super) struct Rays {
     /// The logarithm of the number of pixels of a block, to the base 2.
     shift: u32,
     /// Row by row. Empty, as a block is, where there was no memory for it.
-    blocks: OnceLock<Vec<OnceLock<Vec<Place>>>>,
+    blocks: OnceLock<Vec<OnceLock<Vec<Entry>>>>,
 }
 
 impl Rays {
@@ -56,7 +56,7 @@ impl Rays {
         row: usize,
         find: impl Fn() -> Option<Vector3<f64>>,
     ) -> Option<Vector3<f64>> {
-        let Some([x, y]) = self.place(column, row) else { return find() };
+        let Some([x, y]) = self.entry(column, row) else { return find() };
         // No ordering: each number is written with the same bits by all threads, and who misses one finds both again.
         let bits = [x.load(Ordering::Relaxed), y.load(Ordering::Relaxed)];
         if bits.contains(&UNKNOWN) {
@@ -70,22 +70,22 @@ impl Rays {
         (bits[0] != NO_RAY).then(|| Vector3::new(x, y, 1.0))
     }
 
-    /// Takes the rays of some pixels of a row, by their places from one at a column and a row on, as their x and y. Says whether all of
+    /// Takes the rays of some pixels of a row, by their offsets from one at a column and a row on, as their x and y. Says whether all of
     /// them have one that is known; else what was taken is of no use.
     #[inline]
     pub(super) fn take_known(
         &self,
         (column, row): (usize, usize),
-        places: &[usize],
+        offsets: &[usize],
         x: &mut [f64],
         y: &mut [f64],
     ) -> bool {
-        let Some(known) = self.side_by_side((column, row), places.last().map_or(0, |last| last + 1)) else {
+        let Some(known) = self.side_by_side((column, row), offsets.last().map_or(0, |last| last + 1)) else {
             return false;
         };
         let mut all = true;
-        for ((place, x), y) in places.iter().zip(x).zip(y) {
-            let [bits_of_x, bits_of_y] = known[*place].each_ref().map(|bits| bits.load(Ordering::Relaxed));
+        for ((offset, x), y) in offsets.iter().zip(x).zip(y) {
+            let [bits_of_x, bits_of_y] = known[*offset].each_ref().map(|bits| bits.load(Ordering::Relaxed));
             (*x, *y) = (f64::from_bits(bits_of_x), f64::from_bits(bits_of_y));
             // Neither what is unknown nor what stands for no ray is a number.
             all &= !(x.is_nan() | y.is_nan());
@@ -95,7 +95,7 @@ impl Rays {
 
     /// Where the rays of so many pixels of a row are remembered; `None` unless there is memory for them in a single block.
     #[inline]
-    fn side_by_side(&self, (column, row): (usize, usize), count: usize) -> Option<&[Place]> {
+    fn side_by_side(&self, (column, row): (usize, usize), count: usize) -> Option<&[Entry]> {
         if column + count > self.width || row >= self.height {
             return None;
         }
@@ -106,7 +106,7 @@ impl Rays {
 
     /// Where the ray of a pixel is remembered. `None` outside the image, and where memory is missing.
     #[inline]
-    fn place(&self, column: usize, row: usize) -> Option<&Place> {
+    fn entry(&self, column: usize, row: usize) -> Option<&Entry> {
         if column >= self.width || row >= self.height {
             return None;
         }
@@ -117,12 +117,12 @@ impl Rays {
     }
 
     #[cold]
-    fn all_blocks(&self) -> Vec<OnceLock<Vec<Place>>> {
+    fn all_blocks(&self) -> Vec<OnceLock<Vec<Entry>>> {
         filled((self.width * self.height).div_ceil(1 << self.shift), OnceLock::new)
     }
 
     #[cold]
-    fn block(&self) -> Vec<Place> {
+    fn block(&self) -> Vec<Entry> {
         filled(1 << self.shift, || [UNKNOWN; 2].map(AtomicU64::new))
     }
 }
@@ -207,7 +207,7 @@ mod tests {
         let ray = camera.unproject(&Vector2::new(40.0, 30.0)).unwrap();
         let known = |camera: &Camera, column, row| {
             let rays = camera.rays.as_ref().unwrap();
-            rays.place(column, row).unwrap()[0].load(Ordering::Relaxed)
+            rays.entry(column, row).unwrap()[0].load(Ordering::Relaxed)
         };
         assert_eq!(known(&clone, 40, 30), ray.x.to_bits());
         assert_eq!(known(&clone, 41, 30), UNKNOWN);
@@ -219,9 +219,9 @@ mod tests {
     fn rays_of_a_row_are_taken_where_all_are_known() {
         let camera = folding();
         let rays = camera.rays.as_ref().unwrap();
-        let take = |column, row, places: &[usize]| {
+        let take = |column, row, offsets: &[usize]| {
             let (mut x, mut y) = ([0.0; 8], [0.0; 8]);
-            rays.take_known((column, row), places, &mut x, &mut y).then_some((x, y))
+            rays.take_known((column, row), offsets, &mut x, &mut y).then_some((x, y))
         };
         assert_eq!(take(50, 30, &[0, 2, 5]), None);
         for column in [50, 52, 55] {
@@ -267,8 +267,8 @@ mod tests {
             assert!(rays.blocks.get().is_none());
             assert_eq!(rays.of_pixel(width - 1, height - 1, || Some(Vector3::z())), Some(Vector3::z()));
             let blocks = rays.blocks.get().unwrap();
-            let places: usize = blocks.iter().filter_map(OnceLock::get).map(Vec::len).sum();
-            assert!((1..=1 << 14).contains(&places) && (1..=1 << 15).contains(&blocks.len()));
+            let entries: usize = blocks.iter().filter_map(OnceLock::get).map(Vec::len).sum();
+            assert!((1..=1 << 14).contains(&entries) && (1..=1 << 15).contains(&blocks.len()));
         }
     }
 

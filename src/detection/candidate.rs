@@ -10,7 +10,7 @@ use super::search::PixelOf;
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::{ends_of, median};
+use crate::statistics::{median, min_max};
 
 /// Rounds of collecting and fitting; most settle in two.
 const ROUNDS: usize = 4;
@@ -163,7 +163,7 @@ impl<'a> Scene<'a> {
             return Look { worth, misfits, across, range: [0.0; 2], sides: List::new(), support: None };
         };
         distances::across_and_along(cylinder, &self.numbers, cells, &mut across, &mut along);
-        let range = ends_of(&along);
+        let range = min_max(&along);
         let sides = outline(self, cylinder, cells, (&across, &along, range), mark);
         let insets = self.insets(cylinder, &sides);
         let outline: f64 = insets.iter().map(|inset| 0.5 * (inset * inset).min(MOST_INSET)).sum();
@@ -226,7 +226,7 @@ impl<'a> Scene<'a> {
         }
         let (mut across, mut along) = (List::new(), List::new());
         distances::across_and_along(cylinder, &self.numbers, cells, &mut across, &mut along);
-        let sides = outline(self, cylinder, cells, (&across, &along, ends_of(&along)), mark);
+        let sides = outline(self, cylinder, cells, (&across, &along, min_max(&along)), mark);
         let rays: List<_> = sides.iter().filter_map(Side::limb).collect();
         // What a sensor does to an outline it does all along: each of the two sides is one measurement.
         let weight = 2.0 / rays.len() as f64;
@@ -237,7 +237,7 @@ impl<'a> Scene<'a> {
     /// Where cells begin and end along the axis of a cylinder, from its point.
     pub fn range(&self, cylinder: &Cylinder, cells: &[usize]) -> [f64; 2] {
         let along = |&k: &usize| cylinder.axis.position_of(&self.grid.cells[k].point);
-        ends_of(&cells.iter().map(along).collect::<List<f64>>())
+        min_max(&cells.iter().map(along).collect::<List<f64>>())
     }
 
     /// Fits a surface to cells again, all of them within reach at first.

@@ -31,7 +31,7 @@ const STRAY: f64 = 0.002;
 const BETWEEN_QUESTIONS: usize = 1 << 18;
 
 /// An error when the search is to stop.
-type Asked<'a> = dyn Fn() -> Result<()> + 'a;
+type CancelCheck<'a> = dyn Fn() -> Result<()> + 'a;
 
 /// Finds all cylinders by the present look at the points of a cloud, until `stopped` says so; labels are by point of the part that is
 /// looked at, and there are none where nothing is found. `None` where there is nothing to look at.
@@ -98,8 +98,10 @@ fn look(
         return Ok(Some(Detections { cut_short, visits, ..Detections::default() }));
     }
     let read_rays = |row: usize, columns: Range<usize>, list: &mut [List<f64>; 2]| {
-        let place = |k: usize, low: f64| low + (k as f64 + 0.5) * raster.spacing;
-        row::write(columns, list, |column| [place(column, raster.low[0]), place(row, raster.low[1])]);
+        let coordinate = |k: usize, low: f64| low + (k as f64 + 0.5) * raster.spacing;
+        row::write(columns, list, |column| {
+            [coordinate(column, raster.low[0]), coordinate(row, raster.low[1])]
+        });
     };
     let seen = label(&grid, &found, size, raster.spacing, &read_points, &read_rays, &effort);
     drop((grid, found));
@@ -121,7 +123,7 @@ fn look(
 }
 
 /// The image of the present look.
-fn image_of(looks: &mut Looks, asked: &Asked<'_>) -> Result<Option<Image>> {
+fn image_of(looks: &mut Looks, check_cancel: &CancelCheck<'_>) -> Result<Option<Image>> {
     if let Some(image) = looks.image.take() {
         return Ok(Some(image));
     }
@@ -130,5 +132,5 @@ fn image_of(looks: &mut Looks, asked: &Asked<'_>) -> Result<Option<Image>> {
     else {
         return Ok(None);
     };
-    Image::of(points, sample, (&viewpoint.pose(points), viewpoint.widest), memory, asked)
+    Image::of(points, sample, (&viewpoint.pose(points), viewpoint.widest), memory, check_cancel)
 }

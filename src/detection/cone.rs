@@ -1,8 +1,8 @@
 //! Whether the radius of a body changes along its axis: what tapers is no cylinder.
 
-use super::distances::{LANES, PlaceOf, dot, lanes, place, splat};
+use super::distances::{LANES, ProjectionOf, dot, lanes, project, splat};
 use super::normal_equations::{PRODUCTS, add_products, of_products, sums_of_lanes};
-use super::surface::{Place, Surface};
+use super::surface::{Projection, Surface};
 use crate::geometry::{Cylinder, Line, any_orthogonal};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
@@ -25,21 +25,21 @@ impl ToCone {
         Self { across: [u, v], radius, matrix: SMatrix::zeros(), vector: SVector::zeros() }
     }
 
-    /// A place on the surface and its distance, how that changes with the bias, and the inverse of its variance.
-    pub fn add(&mut self, place: &Place, distance: f64, shape: f64, weight: f64) {
-        let [nu, nv] = self.across.map(|direction| place.normal.dot(&direction));
+    /// A projection onto the surface and its distance, how that changes with the bias, and the inverse of its variance.
+    pub fn add(&mut self, projection: &Projection, distance: f64, shape: f64, weight: f64) {
+        let [nu, nv] = self.across.map(|direction| projection.normal.dot(&direction));
         // Tilts and slopes in radii: all numbers are lengths.
-        let along = place.along / self.radius;
+        let along = projection.along / self.radius;
         let row = SVector::from([-nu, -nv, -nu * along, -nv * along, -1.0, -shape, -along]);
         self.matrix += row * row.transpose() * weight;
         self.vector += row * (weight * distance);
     }
 
-    /// The same for places with these sums of [`Pass`].
+    /// The same for projections with these sums of [`Pass`].
     fn add_sums(&mut self, sums: [f64; PRODUCTS]) {
         let (matrix, vector) = of_products(&sums);
-        for (i, row) in PLACES.into_iter().enumerate() {
-            for (j, column) in PLACES.into_iter().enumerate() {
+        for (i, row) in INDICES.into_iter().enumerate() {
+            for (j, column) in INDICES.into_iter().enumerate() {
                 self.matrix[(row, column)] += matrix[(i.max(j), i.min(j))];
             }
             self.vector[row] += vector[i];
@@ -90,8 +90,8 @@ pub(crate) fn slope_by_points(
     }
     step.add_sums(Arch::new().dispatch(Pass { groups: &groups, surface, across: &step.across, reach }));
     for (point, weight) in others {
-        let place = surface.place(&(point / unit));
-        step.add(&place, place.distance, 0.0, weight * unit * unit);
+        let projection = surface.project(&(point / unit));
+        step.add(&projection, projection.distance, 0.0, weight * unit * unit);
     }
     // These points have no bias.
     step.expect(0.0, cylinder.radius);
@@ -101,8 +101,8 @@ pub(crate) fn slope_by_points(
 /// Points side by side: their coordinates and weights, 0 for the rest of the last group.
 type Group = [[f32; LANES]; 4];
 
-/// The places of the numbers of [`Pass`] in a row of the step; there is no bias.
-const PLACES: [usize; 6] = [0, 1, 2, 3, 4, 6];
+/// The indices of the numbers of [`Pass`] in a row of the step; there is no bias.
+const INDICES: [usize; 6] = [0, 1, 2, 3, 4, 6];
 
 /// One pass over points, with the widest vector instructions of the machine. The sums run in [`LANES`] partial sums.
 struct Pass<'a> {
@@ -127,7 +127,7 @@ impl WithSimd for Pass<'_> {
             let mut own = [zero; PRODUCTS];
             for [x, y, z, weight] in groups {
                 let point = [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)];
-                let PlaceOf { distance, normal, along } = place(simd, &surface, point);
+                let ProjectionOf { distance, normal, along } = project(simd, &surface, point);
                 let ratio = simd.mul_f32s(distance, per_reach);
                 let left = simd.max_f32s(simd.sub_f32s(one, simd.mul_f32s(ratio, ratio)), zero);
                 let weight = simd.mul_f32s(lanes(simd, weight, part), simd.mul_f32s(left, left));

@@ -1,8 +1,8 @@
-//! Distances of cells from a surface and their places about a cylinder, with the widest vector instructions of the machine.
+//! Distances of cells from a surface and their positions about a cylinder, with the widest vector instructions of the machine.
 //!
 //! The mathematics stands here once, for one cell ([`Scalar`](pulp::Scalar)) and for as many as an instruction takes.
 //! Multiplications and additions are never fused: every machine gets the same bits. The numbers have 32 bits, so that an
-//! instruction takes twice as many: they tell a place to a ten-millionth of its distance, and depth is measured to a thousandth.
+//! instruction takes twice as many: they tell a position to a ten-millionth of its distance, and depth is measured to a thousandth.
 
 use super::grid::Cell;
 use super::surface::{LATERAL_PIXELS, Surface};
@@ -17,16 +17,16 @@ const LEAST: f32 = 1e-37;
 pub(super) const LANES: usize = 16;
 
 /// Where a point is relative to a surface: signed distance, outward normal, position along the axis.
-pub(super) struct PlaceOf<T> {
+pub(super) struct ProjectionOf<T> {
     pub distance: T,
     pub normal: [T; 3],
     pub along: T,
 }
 
-/// The place of a cell with its distance from where the surface is measured, one over the variance of that, and the share of
+/// The projection of a cell with its distance from where the surface is measured, one over the variance of that, and the share of
 /// the bias in it.
 pub(super) struct ResidualOf<T> {
-    pub place: PlaceOf<T>,
+    pub projection: ProjectionOf<T>,
     pub distance: T,
     pub information: T,
     pub shape: T,
@@ -95,7 +95,7 @@ pub(super) fn first_hits<S: Simd>(simd: S, cylinder: &Cylinder, ray: [S::f32s; 3
 
 /// Where points are relative to a surface.
 #[inline(always)]
-pub(super) fn place<S: Simd>(simd: S, surface: &Surface, point: [S::f32s; 3]) -> PlaceOf<S::f32s> {
+pub(super) fn project<S: Simd>(simd: S, surface: &Surface, point: [S::f32s; 3]) -> ProjectionOf<S::f32s> {
     let (offset, along, radius) = match surface {
         Surface::Cylinder(cylinder, _) | Surface::Cone(cylinder, _) => {
             let taper = if let Surface::Cone(_, taper) = surface { *taper } else { 0.0 };
@@ -116,7 +116,7 @@ pub(super) fn place<S: Simd>(simd: S, surface: &Surface, point: [S::f32s; 3]) ->
     let distance = simd.sub_f32s(simd.sub_f32s(norm, simd.splat_f32s(radius.0 as f32)), radius.1);
     // One division takes as long as many products.
     let normal = times(simd, offset, simd.div_f32s(simd.splat_f32s(1.0), norm));
-    PlaceOf { distance, normal, along }
+    ProjectionOf { distance, normal, along }
 }
 
 /// The residuals of cells with their points, their positions on the plane z = 1 and the standard deviations of their
@@ -131,9 +131,9 @@ pub(super) fn residual<S: Simd>(
     sigma: S::f32s,
 ) -> ResidualOf<S::f32s> {
     let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
-    let place = place(simd, surface, point);
+    let projection = project(simd, surface, point);
     let ray = [x, y, one];
-    let along = dot(simd, place.normal, ray);
+    let along = dot(simd, projection.normal, ray);
     let square = simd.mul_f32s(along, along);
     let length = dot(simd, ray, ray);
     let lateral = simd.mul_f32s(simd.splat_f32s((LATERAL_PIXELS * pixel) as f32), point[2]);
@@ -159,8 +159,8 @@ pub(super) fn residual<S: Simd>(
         }
         _ => (simd.div_f32s(length, variance), zero, 0.0),
     };
-    let distance = simd.sub_f32s(place.distance, simd.mul_f32s(simd.splat_f32s(bias as f32), shape));
-    ResidualOf { place, distance, information, shape }
+    let distance = simd.sub_f32s(projection.distance, simd.mul_f32s(simd.splat_f32s(bias as f32), shape));
+    ResidualOf { projection, distance, information, shape }
 }
 
 /// What is asked of a cell again and again, in half of its memory: its point, its position on the plane z = 1, the standard
@@ -190,7 +190,7 @@ pub(super) fn gather<const COUNT: usize>(cells: &[Numbers], which: &[usize], gro
     }
 }
 
-/// The same of the cells by their places in the group.
+/// The same of the cells by their indices in the group.
 #[inline(always)]
 #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
 fn gather_each<'a, const COUNT: usize>(cell: impl Fn(usize) -> &'a Numbers, group: &mut Group<COUNT>) {
@@ -247,7 +247,7 @@ impl WithSimd for Misfits<'_> {
                 let residual = residual(simd, surface, pixel, point, position, sigma);
                 let distance = residual.distance;
                 let square = simd.mul_f32s(simd.mul_f32s(distance, distance), residual.information);
-                let from_outside = simd.less_than_f32s(dot(simd, residual.place.normal, point), zero);
+                let from_outside = simd.less_than_f32s(dot(simd, residual.projection.normal, point), zero);
                 let (near, far) = if inside { (hidden, square) } else { (square, hidden) };
                 S::as_mut_simd_f32s(&mut squares).0[part] = simd.select_f32s(from_outside, near, far);
             }
@@ -272,7 +272,7 @@ pub(super) fn across_and_along(
     Arch::new().dispatch(AcrossAndAlong { cylinder, cells, which, across, along });
 }
 
-/// One pass over cells for their places.
+/// One pass over cells for their positions.
 struct AcrossAndAlong<'a> {
     cylinder: &'a Cylinder,
     cells: &'a [Numbers],
@@ -296,14 +296,14 @@ impl WithSimd for AcrossAndAlong<'_> {
             let [px, py, pz, x, y] = &group;
             let mut found = [[0.0; LANES]; 2];
             for part in 0..LANES / S::F32_LANES {
-                let place = [lanes(simd, px, part), lanes(simd, py, part), lanes(simd, pz, part)];
+                let position = [lanes(simd, px, part), lanes(simd, py, part), lanes(simd, pz, part)];
                 let ray = [lanes(simd, x, part), lanes(simd, y, part), one];
                 let normal = cross(simd, ray, direction);
                 let norm = simd.sqrt_f32s(dot(simd, normal, normal));
                 let passing = simd.div_f32s(dot(simd, normal, point), simd.mul_f32s(norm, radius));
                 let passing = simd.select_f32s(simd.less_than_f32s(norm, least), none, passing);
                 S::as_mut_simd_f32s(&mut found[0]).0[part] = passing;
-                let offset = difference(simd, place, point);
+                let offset = difference(simd, position, point);
                 S::as_mut_simd_f32s(&mut found[1]).0[part] = dot(simd, offset, direction);
             }
             across.extend_from_slice(&found[0].map(f64::from)[..chunk.len()]);
@@ -369,7 +369,7 @@ impl WithSimd for Sights<'_> {
                 let along = dot(simd, difference(simd, hit, point), direction);
                 let along = simd.select_f32s(simd.greater_than_f32s(t, zero), along, none);
                 let residual = residual(simd, surface, pixel, hit, [x, y], sigma);
-                let facing = simd.abs_f32s(dot(simd, residual.place.normal, ray));
+                let facing = simd.abs_f32s(dot(simd, residual.projection.normal, ray));
                 let behind = simd.mul_f32s(simd.sub_f32s(depth, hit[2]), facing);
                 S::as_mut_simd_f32s(&mut found[0]).0[part] = behind;
                 S::as_mut_simd_f32s(&mut found[1]).0[part] = residual.information;
@@ -393,17 +393,17 @@ pub(super) fn lanes<S: Simd>(_simd: S, group: &[f32; LANES], part: usize) -> S::
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::rays::passes;
-    use super::super::surface::Place;
+    use super::super::surface::Projection;
     use super::*;
     use crate::geometry::any_orthogonal;
     use pulp::Scalar;
 
-    /// The place of a cell, its distance from where the surface is measured, and one over the variance of that.
-    pub fn residual_of(surface: &Surface, cell: &Cell, pixel: f64) -> (Place, f64, f64) {
+    /// The projection of a cell, its distance from where the surface is measured, and one over the variance of that.
+    pub fn residual_of(surface: &Surface, cell: &Cell, pixel: f64) -> (Projection, f64, f64) {
         let [x, y, sigma] = [cell.x, cell.y, cell.sigma].map(|number| number as f32);
         let point = cell.point.map(|number| number as f32).into();
         let residual = residual(Scalar, surface, pixel, point, [x, y], sigma);
-        (residual.place.into(), residual.distance.into(), residual.information.into())
+        (residual.projection.into(), residual.distance.into(), residual.information.into())
     }
 
     /// Cells about a cylinder, a group and a part of the next, one of them out of reach.
@@ -442,8 +442,8 @@ pub(super) mod tests {
             Surface::Sphere(cylinder.axis.point, 0.065),
         ] {
             let plain = which.map(|k| {
-                let (place, distance, information) = residual_of(&surface, &cells[k], pixel);
-                let outside = place.normal.dot(&cells[k].point) < 0.0;
+                let (projection, distance, information) = residual_of(&surface, &cells[k], pixel);
+                let outside = projection.normal.dot(&cells[k].point) < 0.0;
                 let seen = outside != surface.contains_origin();
                 if seen { distance * distance * information } else { f64::INFINITY }
             });
@@ -456,7 +456,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn places_and_sights_are_those_of_one_cell_after_the_other() {
+    fn projections_and_sights_are_those_of_one_cell_after_the_other() {
         let cylinder =
             Cylinder::new(Vector3::new(0.1, -0.05, 0.8), Vector3::new(0.3, 0.9, 0.2), 0.06).unwrap();
         let (cells, pixel) = (cells(&cylinder), 1.0 / 570.0);
@@ -466,7 +466,7 @@ pub(super) mod tests {
         let surface = Surface::Cylinder(cylinder, 0.001);
         for ((k, across), along) in which.into_iter().zip(across).zip(along) {
             assert!(alike(across, passes(&cylinder, cells[k].x, cells[k].y).unwrap()));
-            assert!(alike(along, surface.place(&cells[k].point).along));
+            assert!(alike(along, surface.project(&cells[k].point).along));
         }
         let mut found = Vec::new();
         sights((&surface, &cylinder), pixel, &numbers(&cells), &which, &mut found);
@@ -479,9 +479,9 @@ pub(super) mod tests {
                 missed += 1;
                 continue;
             };
-            let (place, _, information) = residual_of(&surface, &Cell { point: hit, ..*cell }, pixel);
-            assert!(alike(sight.along, place.along) && alike(sight.information, information));
-            assert!(alike(sight.behind, (cell.point.z - hit.z) * place.normal.dot(&ray).abs()));
+            let (projection, _, information) = residual_of(&surface, &Cell { point: hit, ..*cell }, pixel);
+            assert!(alike(sight.along, projection.along) && alike(sight.information, information));
+            assert!(alike(sight.behind, (cell.point.z - hit.z) * projection.normal.dot(&ray).abs()));
         }
         assert!(found.len() == which.len() && missed < which.len(), "{missed}");
     }

@@ -4,7 +4,7 @@
 use crate::camera::Camera;
 use crate::memory::List;
 use crate::observations::GreyImage;
-use crate::statistics::ends;
+use crate::statistics::min_max_of;
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -165,16 +165,16 @@ fn strongest_first(mut order: Vec<u32>, magnitudes: &[f32]) -> Vec<u32> {
     let mut ordered = vec![0; order.len()];
     for shift in [0, BITS, 2 * BITS] {
         let digit = |k: u32| (!magnitudes[k as usize].to_bits() >> shift) as usize & ((1 << BITS) - 1);
-        let mut places = [0_u32; 1 << BITS];
-        order.iter().for_each(|&k| places[digit(k)] += 1);
+        let mut starts = [0_u32; 1 << BITS];
+        order.iter().for_each(|&k| starts[digit(k)] += 1);
         let mut first = 0;
-        for place in &mut places {
-            (*place, first) = (first, first + *place);
+        for start in &mut starts {
+            (*start, first) = (first, first + *start);
         }
         for &k in &order {
-            let place = &mut places[digit(k)];
-            ordered[*place as usize] = k;
-            *place += 1;
+            let start = &mut starts[digit(k)];
+            ordered[*start as usize] = k;
+            *start += 1;
         }
         std::mem::swap(&mut order, &mut ordered);
     }
@@ -230,7 +230,7 @@ impl WithSimd for Derivatives<'_> {
     type Output = ();
 
     #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "eight places of the image and three of the gradient")]
+    #[allow(clippy::needless_range_loop, reason = "eight pixels of the image and three of the gradient")]
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { values, gradient } = self;
         let width = gradient.width;
@@ -283,15 +283,15 @@ fn lower_quartile(numbers: &[f32]) -> Option<f32> {
         counts[upper(second)][1] += 1;
     }
     rest.iter().for_each(|number| counts[upper(number)][0] += 1);
-    let mut place = numbers.len() / 4;
+    let mut rank = numbers.len() / 4;
     let of_quartile = counts.iter().position(|[first, second]| {
         let count = (first + second) as usize;
-        let there = place < count;
-        place -= if there { 0 } else { count };
+        let there = rank < count;
+        rank -= if there { 0 } else { count };
         there
     })?;
     let mut alike = Arch::new().dispatch(Alike { numbers, upper: of_quartile as u32 });
-    Some(f32::from_bits(*alike.select_nth_unstable(place).1))
+    Some(f32::from_bits(*alike.select_nth_unstable(rank).1))
 }
 
 /// The bits of the numbers whose upper half is a given one.
@@ -357,27 +357,27 @@ fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
     if (region.len() as f64) < SHORTEST {
         return None;
     }
-    // Each place takes a division, and is asked for three times. An image has fewer pixels than 2³².
+    // Each position takes a division, and is asked for three times. An image has fewer pixels than 2³².
     let width = gradient.width as u32;
-    let place = |&k: &usize| Vector2::new(f64::from(k as u32 % width), f64::from(k as u32 / width));
-    let places: List<Vector2<f64>> = region.iter().map(place).collect();
+    let position = |&k: &usize| Vector2::new(f64::from(k as u32 % width), f64::from(k as u32 / width));
+    let positions: List<Vector2<f64>> = region.iter().map(position).collect();
     let (mut weights, mut middle) = (0.0, Vector2::zeros());
-    for (&k, place) in region.iter().zip(&*places) {
+    for (&k, position) in region.iter().zip(&*positions) {
         let weight = f64::from(gradient.magnitudes[k]);
         weights += weight;
-        middle += place * weight;
+        middle += position * weight;
     }
     middle /= weights;
     let mut spread = Matrix2::zeros();
-    for (&k, place) in region.iter().zip(&*places) {
-        let offset = place - middle;
+    for (&k, position) in region.iter().zip(&*positions) {
+        let offset = position - middle;
         spread += offset * offset.transpose() * (f64::from(gradient.magnitudes[k]) / weights);
     }
     let eigen = spread.symmetric_eigen();
     let least = eigen.eigenvalues.imin();
     let direction: Vector2<f64> = eigen.eigenvectors.column(1 - least).into();
-    let along = places.iter().map(|place| (place - middle).dot(&direction));
-    let [low, high] = ends(along);
+    let along = positions.iter().map(|position| (position - middle).dot(&direction));
+    let [low, high] = min_max_of(along);
     (high - low >= SHORTEST && eigen.eigenvalues[least] <= WIDEST * WIDEST)
         .then(|| [middle + direction * low, middle + direction * high])
 }

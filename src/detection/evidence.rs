@@ -9,7 +9,7 @@ use super::rays::Band;
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
-use crate::statistics::{ends_of, ordered_single};
+use crate::statistics::{min_max, ordered_single};
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -103,7 +103,7 @@ impl Scene<'_> {
         }
         let gain = self.gain_by(misfits) - self.penalty(&candidate.surface, candidate.cells.len());
         let mut evidence = Evidence { gain, ..Evidence::default() };
-        let [mut left, mut right] = ends_of(across);
+        let [mut left, mut right] = min_max(across);
         let squares: f64 = misfits.iter().map(|misfit| misfit.min(REACH * REACH)).sum();
         evidence.rms = (squares / candidate.cells.len() as f64).sqrt();
         let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;
@@ -162,7 +162,7 @@ impl Scene<'_> {
     /// The angle by which the normals of the surface turn over the cells.
     fn turn(&self, candidate: &Candidate) -> f64 {
         let normals =
-            || candidate.cells.iter().map(|&k| candidate.surface.place(&self.grid.cells[k].point).normal);
+            || candidate.cells.iter().map(|&k| candidate.surface.project(&self.grid.cells[k].point).normal);
         let middle = normals().sum::<Vector3<f64>>();
         2.0 * normals().map(|normal| normal.angle(&middle)).fold(0.0, f64::max)
     }
@@ -191,7 +191,7 @@ impl Scene<'_> {
             .unwrap_or(candidate.surface);
         let own = self.gain(&surface, cells);
         let numbers = (cells.len() as f64 / self.noise.cells_per_sample).max(2.0).ln();
-        // Three numbers of a plane, six of two and the place of the edge, five of a cylinder.
+        // Three numbers of a plane, six of two and the position of the edge, five of a cylinder.
         evidence.over_plane = own - self.plane_gain(cells) - numbers;
         evidence.over_edge = own - self.edge_gain(across, cells) + numbers;
         if evidence.score() < least {
@@ -237,7 +237,7 @@ impl Scene<'_> {
     fn edge_gain(&self, across: &[f64], cells: &[usize]) -> f64 {
         // One number to compare: in its upper half where the cell is, which has 32 bits, in its lower half which one it is.
         let order =
-            |(across, place): (&f64, u32)| u64::from(ordered_single(*across as f32)) << 32 | u64::from(place);
+            |(across, index): (&f64, u32)| u64::from(ordered_single(*across as f32)) << 32 | u64::from(index);
         let mut order: List<u64> = across.iter().zip(0..).map(order).collect();
         order.sort_unstable();
         let sorted: List<usize> = order.iter().map(|order| cells[*order as u32 as usize]).collect();
@@ -348,8 +348,8 @@ impl InView {
             if point.z <= 0.0 {
                 return Self { low: [f64::NEG_INFINITY; 2], high: [f64::INFINITY; 2] };
             }
-            for (k, place) in [point.x / point.z, point.y / point.z].into_iter().enumerate() {
-                (low[k], high[k]) = (low[k].min(place), high[k].max(place));
+            for (k, coordinate) in [point.x / point.z, point.y / point.z].into_iter().enumerate() {
+                (low[k], high[k]) = (low[k].min(coordinate), high[k].max(coordinate));
             }
         }
         Self { low, high }

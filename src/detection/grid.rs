@@ -85,17 +85,17 @@ pub(super) struct Grid {
 #[derive(Debug, Clone, Copy)]
 struct Sums {
     /// Of x/z, y/z and 1/z.
-    place: [f64; 3],
+    position: [f64; 3],
     count: f64,
     near: f64,
     far: f64,
 }
 
 impl Sums {
-    const NONE: Self = Self { place: [0.0; 3], count: 0.0, near: f64::INFINITY, far: f64::NEG_INFINITY };
+    const NONE: Self = Self { position: [0.0; 3], count: 0.0, near: f64::INFINITY, far: f64::NEG_INFINITY };
 
     fn numbers(&self) -> [f64; 6] {
-        let [x, y, w] = self.place;
+        let [x, y, w] = self.position;
         [x, y, w, self.count, self.near, self.far]
     }
 
@@ -105,7 +105,7 @@ impl Sums {
         let mut sums = Self::NONE;
         let numbers = x.iter().zip(y).zip(w).zip(count.iter().zip(near).zip(far));
         for (((x, y), w), ((count, near), far)) in numbers {
-            sums.place = [sums.place[0] + x, sums.place[1] + y, sums.place[2] + w];
+            sums.position = [sums.position[0] + x, sums.position[1] + y, sums.position[2] + w];
             sums.count += count;
             sums.near = if *near < sums.near { *near } else { sums.near };
             sums.far = if *far > sums.far { *far } else { sums.far };
@@ -118,7 +118,7 @@ impl Sums {
         if 3.0 * self.count < full as f64 {
             return Cell::EMPTY;
         }
-        let [x, y, w] = self.place.map(|sum| sum / self.count);
+        let [x, y, w] = self.position.map(|sum| sum / self.count);
         let point = Vector3::new(x, y, 1.0) / w;
         Cell { x, y, w, point, sigma: 0.0, fill: self.count / full as f64 }
     }
@@ -142,7 +142,7 @@ fn about_the_middle(pixels: &[[f64; 3]], spacing: f64, depths: &mut Vec<f64>) ->
     for [x, y, z] in pixels {
         if (z - middle).abs() <= reach {
             let w = 1.0 / z;
-            sums.place = [sums.place[0] + x * w, sums.place[1] + y * w, sums.place[2] + w];
+            sums.position = [sums.position[0] + x * w, sums.position[1] + y * w, sums.position[2] + w];
             sums.count += 1.0;
         }
     }

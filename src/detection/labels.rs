@@ -10,7 +10,7 @@ use super::surface::{REACH, Surface};
 use super::{Detection, Detections};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::ends;
+use crate::statistics::min_max_of;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -48,7 +48,7 @@ pub(super) fn label(
         let surface = &judged.candidate.surface;
         let Surface::Cylinder(cylinder, _) = surface else { continue };
         let cells = || judged.candidate.cells.iter().map(|&k| &grid.cells[k]);
-        let [first, last] = ends(cells().map(|cell| surface.place(&cell.point).along));
+        let [first, last] = min_max_of(cells().map(|cell| surface.project(&cell.point).along));
         let depth = cells().map(|cell| cell.point.z).fold(0.0, f64::max);
         let sigma = cells().map(|cell| cell.sigma).fold(0.0, f64::max);
         let body = Band::new(cylinder, 1.0);
@@ -77,8 +77,8 @@ pub(super) fn label(
             misfits.resize(right - left + 1, 0.0);
             Arch::new().dispatch(Misfits { of_row, misfits: &mut misfits });
             let row = y * width + columns.start + left..y * width + columns.start + right + 1;
-            let places = labels[row.clone()].iter_mut().zip(&mut nearest[row]);
-            for ((label, nearest), (misfit, excess)) in places.zip(misfits.iter().zip(&excesses[left..])) {
+            let pixels = labels[row.clone()].iter_mut().zip(&mut nearest[row]);
+            for ((label, nearest), (misfit, excess)) in pixels.zip(misfits.iter().zip(&excesses[left..])) {
                 if *misfit <= REACH as f32 && *excess < 0.0 && *misfit < *nearest {
                     *nearest = *misfit;
                     *label = index as u16 + 1;

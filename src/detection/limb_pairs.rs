@@ -102,9 +102,9 @@ pub(super) struct Limb {
 }
 
 impl Limb {
-    /// The piece of it next to a place; `None` where that lies before its start or beyond its end.
-    fn piece_at(&self, place: &Vector2<f64>) -> Option<usize> {
-        let t = (place - self.start).dot(&self.along) / self.length * PIECES as f64;
+    /// The piece of it next to a position; `None` where that lies before its start or beyond its end.
+    fn piece_at(&self, position: &Vector2<f64>) -> Option<usize> {
+        let t = (position - self.start).dot(&self.along) / self.length * PIECES as f64;
         (t >= 0.0 && t < PIECES as f64).then_some(t as usize)
     }
 
@@ -258,14 +258,14 @@ impl Scene<'_> {
     }
 
     /// Whether what lies beyond an edge stands in front of a body with this radius on its inner side: then the edge is not the limb
-    /// of that body, but of what hides it. The edge goes through a place, `along` is as long as it is taken, and `outward`, of
+    /// of that body, but of what hides it. The edge goes through a point, `along` is as long as it is taken, and `outward`, of
     /// length 1, leads out of the body, which is `width` wide.
-    pub fn hides(&self, [place, along, outward]: [Vector2<f64>; 3], width: f64, radius: f64) -> bool {
+    pub fn hides(&self, [point, along, outward]: [Vector2<f64>; 3], width: f64, radius: f64) -> bool {
         let spacing = self.grid.spacing;
         let steps = (along.norm() / spacing).round().clamp(3.0, 24.0) as usize;
         let (mut nearer, mut all) = (0, 0);
         for step in 0..steps {
-            let edge = place + along * ((step as f64 + 0.5) / steps as f64 - 0.5);
+            let edge = point + along * ((step as f64 + 0.5) / steps as f64 - 0.5);
             let at = |distance: f64| {
                 let k = self.cell_at(&(edge + outward * distance))?;
                 Some(&self.grid.cells[k]).filter(|cell| cell.measured())
@@ -280,7 +280,7 @@ impl Scene<'_> {
         2 * nearer > all
     }
 
-    /// The cell at a place on the plane z = 1.
+    /// The cell at a position on the plane z = 1.
     fn cell_at(&self, p: &Vector2<f64>) -> Option<usize> {
         let (grid, (_, pixel_of)) = (self.grid, self.image?);
         let (column, row) = pixel_of(p)?;

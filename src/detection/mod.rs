@@ -114,7 +114,7 @@ pub struct Detections {
     pub cut_short: bool,
     /// What the search took: see `effort`.
     pub(crate) visits: u64,
-    /// The place where everything was seen from, if any.
+    /// The position where everything was seen from, if any.
     pub(crate) seen_from: Option<Vector3<f64>>,
     /// Whether a region has all of its body that there is, as far as that can be told.
     pub(crate) whole: bool,
@@ -227,8 +227,8 @@ pub(crate) fn detect_until(
     let edges = image.map(|image| ImageEdges::new(edges::edges(image, camera), pixel));
     cancelled()?;
     let pixel_of = |p: &Vector2<f64>| {
-        let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
-        (place.min() >= 0.0).then_some((place.x as usize, place.y as usize))
+        let pixel = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
+        (pixel.min() >= 0.0).then_some((pixel.x as usize, pixel.y as usize))
     };
     let limbs = edges.as_ref().map_or(Limbs::Outline, |edges| Limbs::Edges(edges, &pixel_of));
     let effort = Effort::new(stopped);

@@ -6,13 +6,13 @@ use super::grid::Grid;
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Places up to the fourth degree but for their number, their products with w up to the second, and the square of w.
+/// Positions up to the fourth degree but for their number, their products with w up to the second, and the square of w.
 const SUMS: usize = 21;
 
 /// Numbers side by side.
 const LANES: usize = 8;
 
-/// Sums over cells at places (s, t) on the plane z = 1: from a place near them, in units of their size.
+/// Sums over cells at positions (s, t) on the plane z = 1: from a position near them, in units of their size.
 pub(super) struct Moments {
     center: Vector2<f64>,
     unit: f64,
@@ -35,17 +35,17 @@ impl Moments {
         self.count
     }
 
-    /// The mean of the places, in units from the centre.
+    /// The mean of the positions, in units from the centre.
     pub fn mean(&self) -> Vector2<f64> {
         Vector2::new(self.sums[0], self.sums[1]) / self.count
     }
 
-    /// A place in units from the centre on the plane z = 1.
-    pub fn on_plane(&self, place: &Vector2<f64>) -> Vector2<f64> {
-        self.center + place * self.unit
+    /// A position in units from the centre on the plane z = 1.
+    pub fn on_plane(&self, position: &Vector2<f64>) -> Vector2<f64> {
+        self.center + position * self.unit
     }
 
-    /// The covariance of the places, in units.
+    /// The covariance of the positions, in units.
     pub fn covariance(&self) -> Matrix2<f64> {
         let [_, _, ss, st, tt, ..] = self.sums;
         let mean = self.mean();

@@ -2,7 +2,7 @@
 
 use super::grid::Grid;
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_absolute, median_absolute};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -46,8 +46,8 @@ fn differences(grid: &Grid, w: &[f64], lag: usize) -> List<f64> {
     };
     let mut add = |of: [Range<usize>; 3], along: &[f64], step: usize| {
         let sizes = &mut sizes[..of[0].len()];
-        let [places, w] = [along, w].map(|numbers| of.clone().map(|range| &numbers[range]));
-        Arch::new().dispatch(Differences { places, w, sizes });
+        let [positions, w] = [along, w].map(|numbers| of.clone().map(|range| &numbers[range]));
+        Arch::new().dispatch(Differences { positions, w, sizes });
         found.extend(sizes.iter().step_by(step).copied().filter(|size| !size.is_nan()));
     };
     for row in (0..grid.rows).step_by(2).filter(|_| inner > 0) {
@@ -62,7 +62,7 @@ fn differences(grid: &Grid, w: &[f64], lag: usize) -> List<f64> {
 /// One pass over cells by three, side by side: their second differences of w, which are no numbers where a cell was not measured.
 struct Differences<'a> {
     /// Where they lie in the direction in which they follow each other.
-    places: [&'a [f64]; 3],
+    positions: [&'a [f64]; 3],
     w: [&'a [f64]; 3],
     sizes: &'a mut [f64],
 }
@@ -72,10 +72,10 @@ impl WithSimd for Differences<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { places: [pa, pb, pc], w: [wa, wb, wc], sizes } = self;
-        let places = pa.iter().zip(pb).zip(pc);
+        let Self { positions: [pa, pb, pc], w: [wa, wb, wc], sizes } = self;
+        let positions = pa.iter().zip(pb).zip(pc);
         for ((size, ((pa, pb), pc)), ((a, b), c)) in
-            sizes.iter_mut().zip(places).zip(wa.iter().zip(wb).zip(wc))
+            sizes.iter_mut().zip(positions).zip(wa.iter().zip(wb).zip(wc))
         {
             let measured = (*a > 0.0) & (*b > 0.0) & (*c > 0.0);
             *size = if measured { second_difference([*pa, *pb, *pc], [*a, *b, *c]) } else { f64::NAN };
@@ -83,7 +83,7 @@ impl WithSimd for Differences<'_> {
     }
 }
 
-/// The second difference of three values at places, with the variance of one of them.
+/// The second difference of three values at positions, with the variance of one of them.
 #[inline(always)]
 pub(super) fn second_difference([pa, pb, pc]: [f64; 3], [a, b, c]: [f64; 3]) -> f64 {
     // The cells are not exactly in the middle of each other.
@@ -111,13 +111,13 @@ fn least_along(grid: &Grid, w: &[f64]) -> f64 {
                 let middle = row * grid.columns + column;
                 let [a, b, c] = [-stride, 0, stride].map(|step| middle.wrapping_add_signed(step));
                 if w[a] > 0.0 && w[b] > 0.0 && w[c] > 0.0 {
-                    let place = |k: usize| grid.rays[0][k] * right as f64 + grid.rays[1][k] * down as f64;
-                    found.push(second_difference([a, b, c].map(place), [a, b, c].map(|k| w[k])));
+                    let position = |k: usize| grid.rays[0][k] * right as f64 + grid.rays[1][k] * down as f64;
+                    found.push(second_difference([a, b, c].map(position), [a, b, c].map(|k| w[k])));
                 }
             }
         }
         if found.len() >= FEWEST {
-            least = least.min(lower_quartile_size(found.iter().copied()));
+            least = least.min(lower_quartile_absolute(found.iter().copied()));
         }
     }
     least
@@ -134,10 +134,10 @@ impl Noise {
         let positive = far.iter().filter(|difference| **difference > 0.0).count() as f64;
         let bent = positive.max(far.len() as f64 - positive) > BENT * far.len() as f64;
         let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
-        let deviation = lower_quartile_size(far.iter().copied()).min(along) / LOWER_QUARTILE;
-        let nearest = median_size(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
+        let deviation = lower_quartile_absolute(far.iter().copied()).min(along) / LOWER_QUARTILE;
+        let nearest = median_absolute(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
         // Depth is stored in steps; no estimate is finer than rounding to f32 of the coordinates.
-        let deviation = deviation.max(1e-6 * median_size(w.iter().copied().filter(|w| *w > 0.0)));
+        let deviation = deviation.max(1e-6 * median_absolute(w.iter().copied().filter(|w| *w > 0.0)));
         // Variance of a second difference: σ² (1.5 − 2 ρ₁ + 0.5 ρ₂) / 1.5 with ρ₂ = ρ₁² for errors that fade
         // exponentially: = σ² (1 − ρ₁) (3 − ρ₁) / 3.
         let ratio = (nearest / deviation).powi(2).min(1.0);
@@ -179,10 +179,10 @@ mod tests {
             let grid = Grid { columns, rows, side: 3, spacing: 0.01, cells, rays, bounds, inner: Vec::new() };
             for lag in [1, LAG, 6] {
                 let mut plain = Vec::new();
-                let mut add = |places: [f64; 3], which: [usize; 3]| {
+                let mut add = |positions: [f64; 3], which: [usize; 3]| {
                     let [a, b, c] = which.map(|k| w[k]);
                     if a > 0.0 && b > 0.0 && c > 0.0 {
-                        let t = (places[1] - places[0]) / (places[2] - places[0]);
+                        let t = (positions[1] - positions[0]) / (positions[2] - positions[0]);
                         let weights = (1.0 + t * t + (1.0 - t) * (1.0 - t)).sqrt();
                         plain.push((b - a - t * (c - a)) / weights);
                     }

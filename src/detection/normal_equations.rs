@@ -3,7 +3,7 @@
 //! As in the sums over points, the sums run in [`LANES`] partial sums, and multiplications and additions are never fused:
 //! every machine gets the same bits.
 
-use super::distances::{self, LANES, Numbers, PlaceOf, ResidualOf, dot, gather, lanes, residual, splat};
+use super::distances::{self, LANES, Numbers, ProjectionOf, ResidualOf, dot, gather, lanes, residual, splat};
 use super::surface::{Optics, Surface};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector3};
@@ -189,8 +189,12 @@ impl Pass<'_> {
                     lanes(simd, &group[6], part),
                 ];
                 let residual = residual(simd, surface, optics.pixel, [px, py, pz], [x, y], sigma);
-                let ResidualOf { place: PlaceOf { normal, along, .. }, distance, information, shape } =
-                    residual;
+                let ResidualOf {
+                    projection: ProjectionOf { normal, along, .. },
+                    distance,
+                    information,
+                    shape,
+                } = residual;
                 let square = simd.mul_f32s(simd.mul_f32s(distance, distance), information);
                 let given = simd.select_f32s(simd.less_than_or_equal_f32s(square, most), given, zero);
                 // Tukey's weight: what is nearly out counts little.
@@ -242,7 +246,7 @@ mod tests {
             let (mut matrix, mut vector) = (SMatrix::<f64, 6, 6>::zeros(), SVector::<f64, 6>::zeros());
             let mut count = 0;
             for cell in &cells {
-                let (place, distance, information) = residual_of(&surface, cell, optics.pixel);
+                let (projection, distance, information) = residual_of(&surface, cell, optics.pixel);
                 let ratio = distance * information.sqrt();
                 if ratio.abs() > reach {
                     continue;
@@ -250,13 +254,13 @@ mod tests {
                 count += 1;
                 let part = 1.0 - (ratio / reach).powi(2);
                 let weight = part * part * information / optics.cells_per_sample;
-                let (n, h) = (place.normal, place.along);
+                let (n, h) = (projection.normal, projection.along);
                 let row = match surface {
                     Surface::Sphere(..) => SVector::from([-n.x, -n.y, -n.z, -1.0, 0.0, 0.0]),
                     _ => {
                         let (nu, nv) = (n.dot(&u), n.dot(&v));
                         let last = if let Surface::Cylinder(_, bias) = surface {
-                            (place.distance - distance) / bias
+                            (projection.distance - distance) / bias
                         } else {
                             h
                         };

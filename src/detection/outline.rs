@@ -75,7 +75,7 @@ impl Side {
 }
 
 /// The ends of lines across the axis at either side of the cells of a cylinder, line by line; the rays of the cells pass, and their
-/// points lie, at the places `across` and `along` the axis, the latter from `first` to `last`.
+/// points lie, at the positions `across` and `along` the axis, the latter from `first` to `last`.
 pub(super) fn outline(
     scene: &Scene<'_>,
     cylinder: &Cylinder,
@@ -119,16 +119,16 @@ pub(super) fn outline(
 }
 
 /// The numbers nearest to two coordinates, below limits. [`f64::round`] is a call.
-fn nearest(place: [f64; 2], below: [usize; 2]) -> Option<[usize; 2]> {
-    if !(place[0] > -0.5 && place[1] > -0.5) {
+fn nearest(position: [f64; 2], below: [usize; 2]) -> Option<[usize; 2]> {
+    if !(position[0] > -0.5 && position[1] > -0.5) {
         return None;
     }
     // The conversion holds what is below 0 at 0.
-    let nearest = place.map(|t| t as usize + usize::from(t - (t as usize) as f64 >= 0.5));
+    let nearest = position.map(|t| t as usize + usize::from(t - (t as usize) as f64 >= 0.5));
     (nearest[0] < below[0] && nearest[1] < below[1]).then_some(nearest)
 }
 
-/// How far a place lies below the straight line through two others: as far as is as probable by the errors of all three as by those of
+/// How far a position lies below the straight line through two others: as far as is as probable by the errors of all three as by those of
 /// one alone. 0 where it does not lie between them.
 fn depth_below(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>) -> f64 {
     if !(a.x < b.x && b.x < c.x) {
@@ -139,7 +139,7 @@ fn depth_below(a: &Vector2<f64>, b: &Vector2<f64>, c: &Vector2<f64>) -> f64 {
 
 impl Grid {
     /// The column and the row of a cell.
-    fn place_of(&self, k: usize) -> [f64; 2] {
+    fn position_of(&self, k: usize) -> [f64; 2] {
         [(k % self.columns) as f64, (k / self.columns) as f64]
     }
 
@@ -174,7 +174,7 @@ impl Scene<'_> {
             cell: k,
             outward: [dx, dy],
         };
-        let from = grid.place_of(k);
+        let from = grid.position_of(k);
         let mut before = k;
         let mut smooth = 0;
         for distance in 1..=4 {
@@ -193,8 +193,8 @@ impl Scene<'_> {
                 before = next;
                 continue;
             };
-            let place = Surface::Cylinder(*cylinder, 0.0).place(&cell.point);
-            if place.distance > 0.0 && -normal.dot(&place.normal) > 0.3 {
+            let projection = Surface::Cylinder(*cylinder, 0.0).project(&cell.point);
+            if projection.distance > 0.0 && -normal.dot(&projection.normal) > 0.3 {
                 // A single cell within the outline may be the last of the cylinder itself.
                 let past = passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() > 1.0);
                 smooth += if past { 2 } else { 1 };
@@ -222,7 +222,7 @@ impl Scene<'_> {
     /// smoothed the edge between the two: such a strip soon ends in something farther.
     fn is_strip(&self, cell: usize, outward: [f64; 2]) -> bool {
         let mut before = cell;
-        let from = self.grid.place_of(cell);
+        let from = self.grid.position_of(cell);
         let cells = (DRAWN_OUT / self.grid.side as f64).ceil() as usize;
         for distance in 1..=cells {
             let Some(next) = self.grid.toward(from, outward, distance) else { return false };
@@ -241,7 +241,7 @@ impl Scene<'_> {
         let Side { cell: k, outward: [dx, dy], sign, .. } = *side;
         let grid = self.grid;
         let cell = &grid.cells[k];
-        let [column, row] = grid.place_of(k);
+        let [column, row] = grid.position_of(k);
         // Along the axis depth may change as well, so that cells to this or that side of the line would make valleys in it.
         let axis = &cylinder.axis.direction;
         let ray = cell.point.normalize();
@@ -255,8 +255,8 @@ impl Scene<'_> {
         let (mut count, mut here) = (0, 0);
         for step in 0..=2 * BESIDE {
             let distance = step as f64 - BESIDE as f64;
-            let place = [column + dx * distance, row + dy * distance];
-            let cell = nearest(place, [grid.columns, grid.rows]).map(|[x, y]| grid.at(x, y));
+            let position = [column + dx * distance, row + dy * distance];
+            let cell = nearest(position, [grid.columns, grid.rows]).map(|[x, y]| grid.at(x, y));
             let Some(cell) = cell.filter(|cell| cell.measured()) else {
                 if step > BESIDE {
                     break;

@@ -5,7 +5,7 @@ use super::candidate::{Candidate, Look, Marks, Scene};
 use super::search::Judged;
 use super::surface::{REACH, Surface};
 use crate::memory::List;
-use crate::statistics::ends_of;
+use crate::statistics::min_max;
 use nalgebra::Vector3;
 
 /// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
@@ -97,7 +97,7 @@ fn joined(
     }
     let (look, surface, cells) = best?;
     // What the second five numbers would have to bring to be worth having.
-    let [less, more] = ends_of(&[a.candidate.gain, b.candidate.gain]);
+    let [less, more] = min_max(&[a.candidate.gain, b.candidate.gain]);
     let short = less + more - 3.0 - look.worth;
     if short > SHARED_PART * less {
         return None;
@@ -126,7 +126,7 @@ pub(super) fn divided(
         return None;
     }
     let mut order: List<(f64, usize)> =
-        cells.iter().map(|&k| (surface.place(&scene.grid.cells[k].point).along, k)).collect();
+        cells.iter().map(|&k| (surface.project(&scene.grid.cells[k].point).along, k)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
     let sorted: List<usize> = order.iter().map(|&(_, k)| k).collect();
     let mut best: Option<(f64, [Part; 2])> = None;

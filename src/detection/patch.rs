@@ -84,9 +84,9 @@ pub(super) fn hypothesis(
     if bend.abs() < SIGNIFICANT * uncertainty {
         return None;
     }
-    // Value, position and normal of the quadratic surface at a place.
-    let surface = |place: Vector2<f64>| {
-        let (s, t) = (place.x, place.y);
+    // Value, position and normal of the quadratic surface at a position.
+    let surface = |position: Vector2<f64>| {
+        let (s, t) = (position.x, position.y);
         let w = a[0] + a[1] * s + a[2] * t + 0.5 * a[3] * s * s + a[4] * s * t + 0.5 * a[5] * t * t;
         let wx = (a[1] + a[3] * s + a[4] * t) / size;
         let wy = (a[2] + a[4] * s + a[5] * t) / size;
@@ -108,12 +108,12 @@ pub(super) fn hypothesis(
     let mut vector = Vector4::zeros();
     let flat = Matrix3::identity() - direction * direction.transpose();
     for step in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-        let (w, place, away, _) = surface(across * step);
+        let (w, position, away, _) = surface(across * step);
         if w <= 0.0 {
             continue;
         }
         let normal = (flat * away).normalize();
-        let offset = flat * (place - point);
+        let offset = flat * (position - point);
         // Unknowns (c, r): c − r n = p; the part of c along the axis is held at 0.
         for k in 0..3 {
             let mut row = Vector4::zeros();
@@ -152,9 +152,9 @@ pub(super) fn strip(grid: &Grid, moments: &Moments) -> Option<Cylinder> {
     }
     let (plane, _) = moments.plane()?;
     let along: Vector2<f64> = extents.eigenvectors.column(long).into();
-    let place = moments.on_plane(&moments.mean());
-    let ray = Vector3::new(place.x, place.y, 1.0);
-    let w = plane.dot(&Vector3::new(1.0, place.x, place.y));
+    let position = moments.on_plane(&moments.mean());
+    let ray = Vector3::new(position.x, position.y, 1.0);
+    let w = plane.dot(&Vector3::new(1.0, position.x, position.y));
     if w <= 0.0 {
         return None;
     }

@@ -115,8 +115,8 @@ pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Ve
         if members.len() * BLOCK * BLOCK < FEWEST {
             continue;
         }
-        let place = (seed % columns, seed / columns);
-        let Some(found) = settle(grid, noise, plane, place, &owner, &mut seen_cells) else { continue };
+        let start = (seed % columns, seed / columns);
+        let Some(found) = settle(grid, noise, plane, start, &owner, &mut seen_cells) else { continue };
         let Some(next) = number.checked_add(1) else { break };
         number = next;
         members.iter().for_each(|&k| taken[k] = true);

@@ -44,7 +44,7 @@ impl Band {
         across * across - (x * x + y * y + z * z - along * along)
     }
 
-    /// The same for many rays by their places on the plane z = 1: negative for those within.
+    /// The same for many rays by their positions on the plane z = 1: negative for those within.
     pub(super) fn excesses(&self, x: &[f64], y: &[f64], found: &mut Vec<f64>) {
         found.resize(x.len(), 0.0);
         Arch::new().dispatch(Excesses { band: self, x, y, found });

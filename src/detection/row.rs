@@ -4,7 +4,7 @@ use crate::memory::List;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Reads the rays of some columns of a row, by their places on the plane z = 1: not numbers where a pixel has none.
+/// Reads the rays of some columns of a row, by their positions on the plane z = 1: not numbers where a pixel has none.
 pub(super) type Rays<'a> = dyn Fn(usize, Range<usize>, &mut [List<f64>; 2]) + 'a;
 
 /// Reads the points that some columns of a row see, with a depth of 0 where nothing was measured.
@@ -47,8 +47,8 @@ impl WithSimd for Row<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { depths, unit, x, y, points } = self;
         let [px, py, pz] = points;
-        let places = px.iter_mut().zip(py.iter_mut()).zip(pz.iter_mut());
-        for (((px, py), pz), (depth, x)) in places.zip(depths.iter().zip(x)) {
+        let coordinates = px.iter_mut().zip(py.iter_mut()).zip(pz.iter_mut());
+        for (((px, py), pz), (depth, x)) in coordinates.zip(depths.iter().zip(x)) {
             let z = f64::from(if *depth > 0.0 { *depth } else { 0.0 }) * unit;
             *px = f64::from((x * z) as f32);
             *py = f64::from((y * z) as f32);

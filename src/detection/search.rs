@@ -28,7 +28,7 @@ const DIRECTION_ERROR: f64 = 0.1;
 /// Patches must have this part of the cells of a full one, or lie on a narrow body.
 const FEWEST: usize = 12;
 
-/// The column and the row of pixels at a place on the plane z = 1.
+/// The column and the row of pixels at a position on the plane z = 1.
 pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 'a;
 
 /// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the

@@ -6,7 +6,7 @@ use super::outline::{Beyond, Side, outline};
 use super::surface::{OUTLINE_PIXELS, OUTLINE_SHIFT_PIXELS, Optics, REACH, Surface, Tangent, fit, middle};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::ends_of;
+use crate::statistics::min_max;
 
 /// Where nothing is measured beside a limb depth ends inside of it, as the surface turns away: by this many pixels times the root of
 /// the radius in pixels. By the sensors that were looked at it is 0.27 to 0.75: docs/measurements-detection-depth.md.
@@ -58,7 +58,7 @@ impl Scene<'_> {
     ) -> List<Tangent> {
         let (mut across, mut along) = (List::new(), List::new());
         distances::across_and_along(cylinder, &self.numbers, cells, &mut across, &mut along);
-        let sides = outline(self, cylinder, cells, (&across, &along, ends_of(&along)), marks);
+        let sides = outline(self, cylinder, cells, (&across, &along, min_max(&along)), marks);
         let radius = cylinder.radius / (self.optics.pixel * depth);
         let mut tangents = List::new();
         for sign in [-1.0, 1.0] {

@@ -8,7 +8,7 @@ use super::surface::Surface;
 use crate::geometry::Cylinder;
 use nalgebra::Vector2;
 
-/// Places are looked at in steps of this many pixels.
+/// Positions are looked at in steps of this many pixels.
 const STEP: f64 = 0.5;
 
 /// Largest shift along columns and along rows that is looked for, in steps.
@@ -71,13 +71,13 @@ impl Coverage {
             let mut pieces = [0_u32; 2 * REACH as usize + 1];
             for edge in &edges.edges {
                 let [first, last] = edge.ends.map(|p| (p - limb.start).dot(&limb.across) / edges.pixel);
-                let place = 0.5 * (first + last) / STEP;
-                if (first - last).abs() > TURN || place.abs() > f64::from(REACH) {
+                let position = 0.5 * (first + last) / STEP;
+                if (first - last).abs() > TURN || position.abs() > f64::from(REACH) {
                     continue;
                 }
                 let Some(bits) = limb.pieces(edge) else { continue };
                 let half = BESIDE_EDGE / STEP;
-                for steps in (place - half).ceil() as i32..=(place + half).floor() as i32 {
+                for steps in (position - half).ceil() as i32..=(position + half).floor() as i32 {
                     if let Some(pieces) = pieces.get_mut((steps + REACH) as usize) {
                         *pieces |= bits;
                     }

@@ -28,7 +28,7 @@ pub(super) enum Surface {
 
 /// Where a point is relative to a surface.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct Projection {
     /// Signed distance, positive outside.
     pub distance: f64,
     /// The outward normal of the surface next to it.
@@ -38,9 +38,9 @@ pub(super) struct Place {
 }
 
 impl Surface {
-    #[inline(always)] // Of many places the numbers of the surface are made once.
-    pub fn place(&self, p: &Vector3<f64>) -> Place {
-        distances::place(Scalar, self, p.map(|number| number as f32).into()).into()
+    #[inline(always)] // Of many points the numbers of the surface are made once.
+    pub fn project(&self, p: &Vector3<f64>) -> Projection {
+        distances::project(Scalar, self, p.map(|number| number as f32).into()).into()
     }
 
     /// The numbers that a fit finds.
@@ -119,9 +119,9 @@ impl Surface {
     }
 }
 
-impl From<distances::PlaceOf<f32>> for Place {
-    fn from(place: distances::PlaceOf<f32>) -> Self {
-        let distances::PlaceOf { distance, normal, along } = place;
+impl From<distances::ProjectionOf<f32>> for Projection {
+    fn from(projection: distances::ProjectionOf<f32>) -> Self {
+        let distances::ProjectionOf { distance, normal, along } = projection;
         Self { distance: distance.into(), normal: normal.map(f64::from).into(), along: along.into() }
     }
 }
@@ -181,11 +181,11 @@ pub(super) fn slope(
     let Surface::Cylinder(cylinder, bias) = surface else { return None };
     let pixel = optics.pixel * center.z;
     let mut step = ToCone::new(&cylinder);
-    let mut add = |place: &Place, distance: f64, sigma: f64, shape: f64, weight: f64| {
+    let mut add = |projection: &Projection, distance: f64, sigma: f64, shape: f64, weight: f64| {
         let ratio = distance / (REACH * sigma);
         if ratio.abs() < 1.0 {
             let part = 1.0 - ratio * ratio;
-            step.add(place, distance, shape, weight * part * part / (sigma * sigma));
+            step.add(projection, distance, shape, weight * part * part / (sigma * sigma));
         }
     };
     for &k in which {
@@ -196,11 +196,11 @@ pub(super) fn slope(
         let [distance, information, shape] =
             [residual.distance, residual.information, residual.shape].map(f64::from);
         let sigma = information.sqrt().recip();
-        add(&residual.place.into(), distance, sigma, shape, 1.0 / optics.cells_per_sample);
+        add(&residual.projection.into(), distance, sigma, shape, 1.0 / optics.cells_per_sample);
     }
     for Tangent { ray, inset, deviation, weight } in tangents {
-        let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
-        add(&place, place.distance + inset * pixel, deviation * pixel, 0.0, *weight);
+        let projection = surface.project(&(ray * cylinder.axis.nearest_on_ray(ray)));
+        add(&projection, projection.distance + inset * pixel, deviation * pixel, 0.0, *weight);
     }
     step.expect(bias, BIAS_PIXELS * pixel);
     step.slope()
@@ -261,8 +261,8 @@ impl NormalEquations {
         reach: f64,
     ) {
         for Tangent { ray, inset, deviation, weight } in tangents {
-            let place = surface.place(&(ray * cylinder.axis.nearest_on_ray(ray)));
-            let distance = place.distance + as_length(*inset);
+            let projection = surface.project(&(ray * cylinder.axis.nearest_on_ray(ray)));
+            let distance = projection.distance + as_length(*inset);
             let sigma = as_length(*deviation);
             let ratio = distance / sigma;
             if ratio.abs() > reach {
@@ -270,8 +270,15 @@ impl NormalEquations {
             }
             let part = 1.0 - (ratio / reach).powi(2);
             let weight = weight * part * part / (sigma * sigma);
-            let (nu, nv) = (place.normal.dot(u), place.normal.dot(v));
-            let row = SVector::<f64, 6>::from([-nu, -nv, -nu * place.along, -nv * place.along, -1.0, 0.0]);
+            let (nu, nv) = (projection.normal.dot(u), projection.normal.dot(v));
+            let row = SVector::<f64, 6>::from([
+                -nu,
+                -nv,
+                -nu * projection.along,
+                -nv * projection.along,
+                -1.0,
+                0.0,
+            ]);
             // The last one is 0: no bias shows in an edge.
             for i in 0..5 {
                 let weighted = weight * row[i];
@@ -292,7 +299,7 @@ impl NormalEquations {
     /// The step to the minimum, by the decomposition L D Lᵀ; `None` where it is not determined. Each root and each division of
     /// Cholesky's would wait for the one before; this has six divisions and no roots. With loops of a known length it takes half as
     /// long as with those of any.
-    #[allow(clippy::needless_range_loop, reason = "two columns and a vector by the same places")]
+    #[allow(clippy::needless_range_loop, reason = "two columns and a vector by the same indices")]
     fn step(&self) -> Option<SVector<f64, 6>> {
         // Column by column.
         let mut lower = self.matrix.data.0;

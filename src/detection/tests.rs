@@ -265,8 +265,8 @@ fn the_edge_of_what_hides_a_body_is_no_limb_of_it() {
     let open = grid.cells.iter().map(grid::Cell::measured).collect();
     let edges = ImageEdges::default();
     let pixel_of = |p: &Vector2<f64>| {
-        let place = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
-        Some((place.x as usize, place.y as usize))
+        let pixel = camera.project(&Vector3::new(p.x, p.y, 1.0))?.map(f64::round);
+        Some((pixel.x as usize, pixel.y as usize))
     };
     let effort = Effort::new(&|| false);
     let scene = candidate::Scene::new(&grid, noise, open, Some((&edges, &pixel_of)), pixel, &effort);

@@ -4,7 +4,7 @@
 //! the background, or the cap where it faces the camera. So the profile along every generator is a blurred step,
 //! and all steps lie on one end circle: the position of that circle is the only unknown they share. Brightness on
 //! both sides, and with it the polarity, is free on every generator; background texture meets few of them in the
-//! same place. Where the cap is seen at a flat angle its far rim lies within a few pixels of the near one: the
+//! same position. Where the cap is seen at a flat angle its far rim lies within a few pixels of the near one: the
 //! profile has two steps then, with the brightness of the cap between them. So it has where an open end shows the edge of its
 //! wall, a ring that is wider or narrower than the blur. The far rim, where cap or inner wall are seen, is one more arc of the same
 //! circle, with the same behind it on the way inward.
@@ -20,7 +20,7 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{Mask, ReducedImage, from_reduced};
 use crate::residuals::Rim;
-use crate::statistics::{DEVIATION_OF_MEDIAN, independent_part, median, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, independent_part, median, median_absolute};
 use nalgebra::Vector2;
 use profile::{Profile, Steps, Template, WALLS, gain};
 use samples::{Room, Sampled};
@@ -71,13 +71,13 @@ constants! {
     /// The far rim of the cap shines so many blurs into a window before it.
     RIM_BLURS = 2.0, "σ";
 
-    /// The error of an arc in standard errors of its places: they err together over longer stretches than the correlation
+    /// The error of an arc in standard errors of its samples: they err together over longer stretches than the correlation
     /// of neighbours shows (docs/measurements-ends.md).
-    PLACES_ERROR = 2.0, "σ";
+    SAMPLES_ERROR = 2.0, "σ";
 
-    /// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a place of its own.
+    /// Standard deviation in pixels of what the model of the profile leaves out: of an end, and of a sample of its own.
     MODEL_DEVIATION = 0.1, "px";
-    PLACE_DEVIATION = 0.05, "px";
+    SAMPLE_DEVIATION = 0.05, "px";
 
     /// Samples of a window that are independent, by pixel: neighbours share pixels.
     INDEPENDENT = 1.0, "1/px";
@@ -100,12 +100,12 @@ pub(super) struct ArcEnd {
     pub deviation: f64,
     /// Standard deviation of what the model of the profile leaves out.
     pub model: f64,
-    /// Places on the near rim and on the far one.
+    /// Samples on the near rim and on the far one.
     pub samples: [List<ArcSample>; 2],
     pub blur: f64,
 }
 
-/// A place in the image at which the surface ends on one generator of the model, located on its own.
+/// A point of the image at which the surface ends on one generator of the model, located on its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArcSample {
     /// Where, in pixels of the (distorted) image.
@@ -119,7 +119,7 @@ pub struct ArcSample {
 }
 
 /// The step of one generator alone.
-struct PlacedStep {
+struct LocatedStep {
     /// The angle of the generator about the axis.
     angle: f64,
     /// How fast the arc moves across itself there when the end moves along the axis, in pixels by length; negative on the far rim.
@@ -196,7 +196,7 @@ fn locate(
         Some(steps) => Cow::Borrowed(steps),
         None => Cow::Owned(Steps::new(blur)),
     });
-    let (coarse, template) = coarse_place(&profiles, rough, search, noise, &tried[..], told.as_deref())?;
+    let (coarse, template) = coarse_position(&profiles, rough, search, noise, &tried[..], told.as_deref())?;
     let score = |shift: f64| gain(&profiles, shift, template, noise);
     let side = 0.25 * COARSE_PIXELS.get() * rough.pixel;
     let fine = (-3..=3).map(|k| coarse + 2.0 * side * f64::from(k)).map(|shift| (shift, score(shift)));
@@ -221,16 +221,16 @@ fn locate(
     let whole = || profiles.iter().filter(|profile| !profile.is_cut_off(shift * profile.across));
     let share = 1.0 - whole().count() as f64 / profiles.len() as f64;
     let cut_off = CUT_OFF_DEVIATION.get() * share * template.steps.blur * rough.pixel;
-    let steps: List<PlacedStep> = whole()
+    let steps: List<LocatedStep> = whole()
         .filter_map(|profile| {
             let (edge, deviation) = profile.step(shift * profile.across, template, noise)?;
             let &Profile { angle, across, .. } = profile;
-            Some(PlacedStep { angle, across, edge, deviation })
+            Some(LocatedStep { angle, across, edge, deviation })
         })
         .collect();
     let reach = SAMPLE_REACH_PIXELS.get() * rough.pixel;
-    let error = PLACES_ERROR.get() * standard_error(&steps, shift).unwrap_or(reach);
-    let place = |step: &PlacedStep| {
+    let error = SAMPLES_ERROR.get() * standard_error(&steps, shift).unwrap_or(reach);
+    let sample = |step: &LocatedStep| {
         let generator = surface.generator(step.angle);
         let at = |edge: f64| generator.pixel(rough.position + outward * edge / step.across);
         let tangent = generator.pixel_beside(rough.position)? - generator.pixel(rough.position)?;
@@ -239,10 +239,11 @@ fn locate(
         // Across the far rim steps are taken inward.
         let outward = (ahead - pixel) * step.across.signum();
         let normal = if normal.dot(&outward) < 0.0 { -normal } else { normal };
-        let deviation = step.deviation.hypot(PLACE_DEVIATION.get());
+        let deviation = step.deviation.hypot(SAMPLE_DEVIATION.get());
         Some(ArcSample { pixel, normal, deviation, across: step.across.abs() })
     };
-    let on = |near: bool| steps.iter().filter(|step| near == (step.across > 0.0)).filter_map(place).collect();
+    let on =
+        |near: bool| steps.iter().filter(|step| near == (step.across > 0.0)).filter_map(sample).collect();
     Some(ArcEnd {
         position: rough.position + outward * shift,
         deviation: (variance + cut_off * cut_off + error * error).sqrt(),
@@ -258,19 +259,19 @@ fn by_rim(profiles: &[Profile]) -> f64 {
     near.max(profiles.len() - near) as f64
 }
 
-/// The standard error of the common place of steps by how much they scatter about it, of which neighbours err alike: a shadow, a
+/// The standard error of the common position of steps by how much they scatter about it, of which neighbours err alike: a shadow, a
 /// label or a lid moves many of them. `None` for none.
-fn standard_error(steps: &[PlacedStep], shift: f64) -> Option<f64> {
+fn standard_error(steps: &[LocatedStep], shift: f64) -> Option<f64> {
     let apart: List<f64> = steps.iter().map(|step| step.edge / step.across - shift).collect();
     let independent = (independent_part(&apart) * apart.len() as f64).max(1.0);
-    let scatter = DEVIATION_OF_MEDIAN * median_size(apart.iter().copied());
+    let scatter = DEVIATION_OF_MEDIAN * median_absolute(apart.iter().copied());
     (!steps.is_empty()).then(|| scatter / independent.sqrt())
 }
 
 /// The arc by which the image, together with the rough end, is explained best: by how much it lies outward of that, and
 /// how it looks. Rims, seams and labels make arcs too. Which of the arcs is the end is one question, not one for every
 /// generator: the mean gain answers it together with the rough end.
-fn coarse_place<'a>(
+fn coarse_position<'a>(
     profiles: &[Profile],
     rough: &RoughEnd,
     search: f64,
@@ -383,7 +384,7 @@ fn sample(
     profiles
 }
 
-/// The length along the axis by which the generator at an angle must be continued across a rim until its place on
+/// The length along the axis by which the generator at an angle must be continued across a rim until its position on
 /// the cap leaves (`circle` 1) or enters (below 1) a circle about the axis, of this part of the radius; infinite where
 /// the cap is not seen or it never does.
 fn cap_width(generator: &Generator<'_>, position: f64, outward: f64, circle: f64, rim: Rim) -> f64 {
@@ -394,7 +395,7 @@ fn cap_width(generator: &Generator<'_>, position: f64, outward: f64, circle: f64
     let direction = surface.cylinder.axis.direction;
     let point = generator.point(position);
     let height = point.dot(&direction);
-    // The ray of the continued generator meets the plane of the cap at λ times its place a across the axis, beyond the near
+    // The ray of the continued generator meets the plane of the cap at λ times its position a across the axis, beyond the near
     // rim with λ above, beyond the far one below 1. On the circle about c is |λ a − c| = R: with λ = 1 on that of the
     // surface, and, by Vieta, with the other.
     let across = point - direction * height;

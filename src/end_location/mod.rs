@@ -23,7 +23,7 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
 use crate::parts::{self, BodyEnd, EndSign, Parts};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute};
 pub use arc::ArcSample;
 use arc::{ArcEnd, ArcSearch};
 use nalgebra::{Vector2, Vector3};
@@ -84,7 +84,7 @@ pub enum MaskContent {
     Anything,
     /// The lateral surface alone.
     Body,
-    /// The same, as a search found it: regions end at lids as well as at caps, so that far rims tell little.
+    /// The lateral surface alone, as a search found it: regions end at lids as well as at caps, so that far rims tell little.
     Region,
 }
 
@@ -130,9 +130,9 @@ pub struct End {
     pub source: EndSource,
     /// Whether its circle may be wider than the body: the mask goes on beyond it, over a cap or an inner wall, or a lid or rim ends there.
     pub rim: bool,
-    /// The places of the arc in the grey image; none where the image did not show it.
+    /// The samples of the arc in the grey image; none where the image did not show it.
     pub samples: List<ArcSample>,
-    /// Places on the far rim of the end, where mask or depth show the cap or the inner wall that it bounds.
+    /// Samples on the far rim of the end, where mask or depth show the cap or the inner wall that it bounds.
     pub far_rim: List<ArcSample>,
     /// The arc by itself; `None` where the image did not show it.
     pub arc: Option<LastArc>,
@@ -179,7 +179,7 @@ pub fn depth_tolerance(cloud: &PointCloud, cylinder: &Cylinder) -> f64 {
     if points().filter(is_near).nth(enough).is_some() {
         return least;
     }
-    let median = median_size(points().map(|point| cylinder.distance(&point)));
+    let median = median_absolute(points().map(|point| cylinder.distance(&point)));
     (3.0 * DEVIATION_OF_MEDIAN * median).max(least)
 }
 

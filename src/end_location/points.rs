@@ -1,6 +1,6 @@
 //! The ends as points alone show them: without a mask, and from inside a pipe.
 //!
-//! A surface ends somewhere between its last point and where the next one would be. Between points at places that have
+//! A surface ends somewhere between its last point and where the next one would be. Between points at positions that have
 //! nothing to do with the end, the way from the last one to the end has the mean Σg² / 2Σg and the mean square Σg³ / 3Σg over
 //! the gaps g between neighbours: half a spacing on a grid, a whole one where points lie at random.
 
@@ -50,7 +50,7 @@ const MOST_POINTS: usize = 1 << 17;
 
 /// The ends of what lies on a cylinder within the tolerance; `None` where that is a single row of points across the axis, or less.
 ///
-/// The errors of `alike` points in a row are alike, of one where all are independent: what a sensor measures in one place it has from a
+/// The errors of `alike` points in a row are alike, of one where all are independent: what a sensor measures in one position it has from a
 /// window of that width. Where within the last one the surface ends, nothing tells: depth is missing there, or is measured beyond it.
 #[must_use]
 pub fn ends_of_points(
@@ -59,19 +59,19 @@ pub fn ends_of_points(
     tolerance: f64,
     alike: f64,
 ) -> Option<[End; 2]> {
-    let (places, middle) = on_surface(points, cylinder, tolerance.min(WIDEST.get() * cylinder.radius));
-    if places.is_empty() {
+    let (coordinates, middle) = on_surface(points, cylinder, tolerance.min(WIDEST.get() * cylinder.radius));
+    if coordinates.is_empty() {
         return None;
     }
-    let inner = places.len() / 20;
-    let arc = cylinder.radius * (places[places.len() - 1 - inner].0 - places[inner].0);
-    let all = surface_of(&places);
+    let inner = coordinates.len() / 20;
+    let arc = cylinder.radius * (coordinates[coordinates.len() - 1 - inner].0 - coordinates[inner].0);
+    let all = surface_of(&coordinates);
     // Points may become sparser along the axis, as those of what leads away from a scanner do.
     let spacings = [-1.0, 1.0].map(|outward| {
         let beside = outer_part(&all, outward);
         (arc * (beside[beside.len() - 1] - beside[0]) / beside.len() as f64).sqrt()
     });
-    let strips = strips_of(&places, arc, spacings[0].max(spacings[1]));
+    let strips = strips_of(&coordinates, arc, spacings[0].max(spacings[1]));
     let [start, end] = [-1.0, 1.0].map(|outward| end_of(&strips, outward));
     let (start, end) = (start?, end?);
     let length = end.position - start.position;
@@ -83,16 +83,16 @@ pub fn ends_of_points(
         End { middle, ..End::new(end.position, deviation, EndState::Unknown, EndSource::Points) }
     };
     // One row across the axis has no ends.
-    (length * places.len() as f64 > arc).then(|| [shown(start, spacings[0]), shown(end, spacings[1])])
+    (length * coordinates.len() as f64 > arc).then(|| [shown(start, spacings[0]), shown(end, spacings[1])])
 }
 
 /// The positions on the surface by strip, each in order. A strip is at least three spacings wide: one that is narrower than a column of
 /// points would be a section of it.
-fn strips_of(places: &[(f64, f64)], arc: f64, spacing: f64) -> List<List<f64>> {
-    let most = (places.len() / LEAST_OF_STRIP.count()).min(STRIPS.count());
+fn strips_of(coordinates: &[(f64, f64)], arc: f64, spacing: f64) -> List<List<f64>> {
+    let most = (coordinates.len() / LEAST_OF_STRIP.count()).min(STRIPS.count());
     let count = ((arc / (LEAST_WIDTH.get() * spacing)) as usize).min(most).max(1);
     (0..count)
-        .map(|k| surface_of(&places[k * places.len() / count..(k + 1) * places.len() / count]))
+        .map(|k| surface_of(&coordinates[k * coordinates.len() / count..(k + 1) * coordinates.len() / count]))
         .collect()
 }
 
@@ -121,18 +121,18 @@ fn on_surface(
     let is_a_side = middle.norm() > LEAST_MIDDLE * cylinder.radius;
     let sideways = axis.direction.cross(if is_a_side { &middle } else { &least_along }).normalize();
     let toward = sideways.cross(&axis.direction);
-    let place = |point: &Vector3<f64>| {
+    let coordinates = |point: &Vector3<f64>| {
         let across = point - axis.point;
         (across.dot(&sideways).atan2(across.dot(&toward)), across.dot(&axis.direction))
     };
-    let mut places: List<_> = on_it.iter().map(place).collect();
-    places.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    (places, middle)
+    let mut coordinates: List<_> = on_it.iter().map(coordinates).collect();
+    coordinates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    (coordinates, middle)
 }
 
 /// The positions in order, from the first to the last that lie on the surface.
-fn surface_of(places: &[(f64, f64)]) -> List<f64> {
-    let mut positions: List<f64> = places.iter().map(|place| place.1).collect();
+fn surface_of(coordinates: &[(f64, f64)]) -> List<f64> {
+    let mut positions: List<f64> = coordinates.iter().map(|coordinates| coordinates.1).collect();
     positions.sort_unstable_by(f64::total_cmp);
     let backward: List<f64> = positions.iter().rev().map(|position| -position).collect();
     let usual = usual_way(inner_part(&positions));

@@ -24,8 +24,8 @@ constants! {
     /// How far about a limb the boundary of the mask is looked for, in pixels of the drawing: more than a mask is off by.
     LIMB_REACH_PIXELS = 6.0, "drawn px";
 
-    /// Places along each limb at which the mask's boundary is looked at.
-    LIMB_PLACES = 64.0, "";
+    /// Positions along each limb at which the mask's boundary is looked at.
+    LIMB_SAMPLES = 64.0, "";
 
     /// Standard deviation of what is left of a mask's bias after it was read off at the limbs, in deviations of a boundary.
     BIAS_LEFT = 0.5, "σ";
@@ -41,7 +41,7 @@ constants! {
     REWEIGHTINGS = 10.0, "";
 }
 
-/// Places on a generator whose pixels are found side by side.
+/// Positions on a generator whose pixels are found side by side.
 const BLOCK: usize = 16;
 
 /// The mask beside the model.
@@ -141,12 +141,13 @@ impl<'a> Silhouette<'a> {
         let (position, across) = told.or_else(|| mean(&used))?;
         let pixel = 1.0 / across;
         let width = 2.0 * WIDTH_PART.get() * self.surface.half_width(extreme)?;
-        let places = (width * used.len() as f64 / GENERATORS.count() as f64 / noise.correlation).max(1.0);
+        let independent =
+            (width * used.len() as f64 / GENERATORS.count() as f64 / noise.correlation).max(1.0);
         let bias = self.bias.unwrap_or(0.0);
         let left = if self.bias.is_some() { BIAS_LEFT.get() * noise.boundary } else { noise.unevenness };
         Some(RoughEnd {
             position: position - outward * bias * pixel,
-            deviation: (noise.boundary * noise.boundary / places + left * left).sqrt() * pixel,
+            deviation: (noise.boundary * noise.boundary / independent + left * left).sqrt() * pixel,
             pixel,
             inside: told.is_some(),
         })
@@ -166,13 +167,13 @@ impl<'a> Silhouette<'a> {
         let beyond = self.noise.beyond()[3] / (STEP_PIXELS.get() * self.noise.pixel);
         let steps = ((extreme - middle).abs() / step + beyond).ceil() as usize;
         let position = |k: usize| middle + outward * step * k as f64;
-        // The extreme bounds all; the first place in the mask on the way back is the last on the way out.
-        let mut places = [[0.0; BLOCK]; 3];
+        // The extreme bounds all; the first position in the mask on the way back is the last on the way out.
+        let mut numbers = [[0.0; BLOCK]; 3];
         let mut end = steps + 1;
         while end > 0 {
             let first = end.saturating_sub(BLOCK);
-            let [positions, x, y] = places.each_mut().map(|numbers| &mut numbers[..end - first]);
-            positions.iter_mut().zip(first..).for_each(|(place, k)| *place = position(k));
+            let [positions, x, y] = numbers.each_mut().map(|numbers| &mut numbers[..end - first]);
+            positions.iter_mut().zip(first..).for_each(|(number, k)| *number = position(k));
             Arch::new().dispatch(|| generator.pixels(positions, x, y));
             let pixels = x.iter().zip(&*y).map(|(x, y)| Vector2::new(*x, *y));
             if let Some(last) = pixels.rev().position(|pixel| contains(self.mask, &pixel)) {
@@ -194,13 +195,13 @@ impl<'a> Silhouette<'a> {
         for angle in [-limb, limb] {
             let generator = self.surface.generator(angle);
             let mut offsets = List::new();
-            for k in 0..LIMB_PLACES.count() {
+            for k in 0..LIMB_SAMPLES.count() {
                 // Beside the ends the boundary turns away from the limb.
-                let part = 0.15 + 0.7 * k as f64 / (LIMB_PLACES.count() - 1) as f64;
+                let part = 0.15 + 0.7 * k as f64 / (LIMB_SAMPLES.count() - 1) as f64;
                 let position = self.extremes.0 + part * (self.extremes.1 - self.extremes.0);
                 offsets.extend(self.boundary_at_limb([&generator, &middle], position, reach));
             }
-            if offsets.len() < LIMB_PLACES.count() / 8 {
+            if offsets.len() < LIMB_SAMPLES.count() / 8 {
                 return None;
             }
             offsets.sort_unstable_by(f64::total_cmp);
@@ -248,7 +249,7 @@ fn chosen(ends: &[GeneratorEnd], choose: impl Fn(&GeneratorEnd) -> bool) -> List
     ends.iter().filter(|end| choose(end)).copied().collect()
 }
 
-/// Whether a mask holds the pixel at a place.
+/// Whether a mask holds the pixel at a position.
 pub(crate) fn contains(mask: &Mask, pixel: &Vector2<f64>) -> bool {
     pixel_at(pixel).is_some_and(|(column, row)| mask.contains(column, row))
 }

@@ -4,7 +4,7 @@ use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame};
 use nalgebra::{Vector2, Vector3};
 
-/// The visible surface of a cylinder seen from outside. A place on it is an angle about the axis, 0 towards the
+/// The visible surface of a cylinder seen from outside. A position on it is an angle about the axis, 0 towards the
 /// camera, and a position along the axis, from the axis point of the model.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface<'a> {

@@ -32,7 +32,7 @@ pub(super) struct Surroundings<'a> {
     pub drawn: bool,
 }
 
-/// How often the places beyond an end told each state.
+/// How often the positions beyond an end told each state.
 #[derive(Debug, Clone, Copy, Default)]
 struct Votes {
     cut: usize,
@@ -149,10 +149,10 @@ impl Surroundings<'_> {
             (point, at)
         };
         // (pixels beyond the end, depth measured there less that of the continued surface)
-        let places = self.noise.beyond();
+        let distances = self.noise.beyond();
         let mut steps: SmallVec<[(f64, f64); 4]> = SmallVec::new();
         let mut goes_on = true;
-        for beyond in places {
+        for beyond in distances {
             let (point, Some(at)) = seen_at(beyond) else {
                 votes.cut += 1;
                 continue;
@@ -181,7 +181,7 @@ impl Surroundings<'_> {
         }
         let border = match votes.cut {
             0 => Border::Far,
-            _ if seen_at(0.5 * places[0]).1.is_some() => Border::Near,
+            _ if seen_at(0.5 * distances[0]).1.is_some() => Border::Near,
             _ => Border::Reached,
         };
         Beyond { votes, in_mask, border }

@@ -53,11 +53,11 @@ pub struct Extent {
     /// Standard deviation of the position of the start along the axis, for a model without error; `None` for an
     /// extreme.
     pub start_deviation: Option<f64>,
-    /// The same for the end.
+    /// Standard deviation of the position of the end along the axis, for a model without error; `None` for an extreme.
     pub end_deviation: Option<f64>,
     /// The view that tells most of the start.
     pub start_view: usize,
-    /// The same for the end.
+    /// The view that tells most of the end.
     pub end_view: usize,
     /// Whether the limbs of the model were taken as known in these views, so that the bias of the mask was read off at
     /// them.
@@ -90,8 +90,8 @@ impl Fitter {
         self.memory().lend(|| Ok(self.find_extent(model, mask, None)?.0))
     }
 
-    /// The same, and by view the samples of the arcs of start and end in its image. They are empty for an end that the
-    /// image did not show.
+    /// The ends of the visible cylinder in all views, as [`Fitter::extent`] gives them, and by view the samples of the arcs of
+    /// start and end in its image. They are empty for an end that the image did not show.
     ///
     /// # Errors
     /// Those of [`Fitter::extent`].

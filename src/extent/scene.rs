@@ -86,8 +86,8 @@ impl Scene {
                 let (thing, z, _) = self.look(&at(0.0, 0.0));
                 depth.push(z as f32);
                 side.push(matches!(thing, Thing::Side));
-                let place = |k: usize| (k as f64 + 0.5) / RAYS as f64 - 0.5;
-                let rays = (0..RAYS * RAYS).map(|k| self.look(&at(place(k % RAYS), place(k / RAYS))).2);
+                let offset = |k: usize| (k as f64 + 0.5) / RAYS as f64 - 0.5;
+                let rays = (0..RAYS * RAYS).map(|k| self.look(&at(offset(k % RAYS), offset(k / RAYS))).2);
                 grey.push((rays.sum::<f64>() / (RAYS * RAYS) as f64) as f32);
             }
         }

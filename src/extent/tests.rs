@@ -209,11 +209,11 @@ fn blurred(image: &[f32]) -> Vec<f32> {
     };
     let along = |x: i64, y: i64| (-4..=4).map(|k| weight(k) * pixel(x + k, y)).sum::<f64>() / weights;
     let both = |x: i64, y: i64| (-4..=4).map(|k| weight(k) * along(x, y + k)).sum::<f64>() / weights;
-    let places = (0..SIZE.1 as i64).flat_map(|row| (0..SIZE.0 as i64).map(move |column| (column, row)));
-    places.map(|(x, y)| both(x, y) as f32).collect()
+    let pixels = (0..SIZE.1 as i64).flat_map(|row| (0..SIZE.0 as i64).map(move |column| (column, row)));
+    pixels.map(|(x, y)| both(x, y) as f32).collect()
 }
 
-/// How far the places on the near rims of both ends lie outside the end circles, in pixels, and those on the far rims.
+/// How far the positions on the near rims of both ends lie outside the end circles, in pixels, and those on the far rims.
 fn offsets_of_rims(tilt: f64, blur: bool) -> [[Vec<f64>; 2]; 2] {
     let scene = Scene::tilted(tilt);
     let (image, depth, mask) = scene.render(0);

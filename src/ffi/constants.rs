@@ -9,10 +9,10 @@ use crate::observations::{ImageFormat, Pixels, Scalar};
 /// Refuses a number with the ones that are known and their names.
 fn unknown<T>(field: &str, value: i32, known: &[(i32, &str)]) -> Result<T, Failure> {
     let mut requirement = String::from("be");
-    for (place, (number, name)) in known.iter().enumerate() {
-        let joint = match place {
+    for (index, (number, name)) in known.iter().enumerate() {
+        let joint = match index {
             0 => " ",
-            _ if place + 1 < known.len() => ", ",
+            _ if index + 1 < known.len() => ", ",
             _ => " or ",
         };
         requirement += &format!("{joint}{number} ({name})");

@@ -12,16 +12,16 @@ use crate::detection::{
 use crate::error::{Result, unless_cancelled};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::observations::{ENOUGH, PointsView, spread};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, PointsView, spread};
 use crate::residuals::TUKEY_EFFICIENT;
-use crate::statistics::median_size;
+use crate::statistics::median_absolute;
 use nalgebra::Vector3;
 use std::cell::RefCell;
 use std::time::Instant;
 
 constants! {
     /// The points of a body contradict a cylinder that is so many squared standard deviations away: 3 of one number, for five.
-    CONTRADICTION = 18.2, "σ²";
+    CHI_SQUARED_CONTRADICTION = 18.2, "σ²";
 
     /// They scatter about that by so many times what is left of them, in the median, at least.
     FARTHER = 1.05, "";
@@ -53,7 +53,7 @@ pub(super) struct Body {
 
 impl Fitter {
     /// The body that a search finds among the points, a likely one with the most of them.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn likely_body(
         &self,
         view: &View,
@@ -61,7 +61,7 @@ impl Fitter {
         clock: &Instant,
     ) -> Result<Option<Body>> {
         // Of very many a part tells where the body is.
-        let chosen = spread(view.cloud.len(), ENOUGH);
+        let chosen = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let points: List<[f64; 3]> = chosen.iter().map(|&k| view.cloud.point(k).into()).collect();
         let points = PointsView::from_f64(&points);
         let default = DetectionOptions::default();
@@ -95,7 +95,7 @@ impl Fitter {
     }
 
     /// The body of a region that was found, grown over all points unless it has `whole` of it; `None` where that is not round.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn body_of(
         &self,
         view: &View,
@@ -104,7 +104,7 @@ impl Fitter {
         run: &mut Run<'_>,
         clock: &Instant,
     ) -> Result<Option<Body>> {
-        let place = |&k: &usize| view.cloud.point(k);
+        let point_of = |&k: &usize| view.cloud.point(k);
         let fit = |region: &[usize], cylinder: &Cylinder, run: &mut Run<'_>| {
             unless_cancelled(self.fit_of_points(view, region, Some(cylinder), run, clock)).map(Result::ok)
         };
@@ -112,9 +112,9 @@ impl Fitter {
         let into_view = view.pose().inverse();
         if !whole {
             let cylinder = into_view.cylinder(&fitted.1.cylinder);
-            let reach = reach_of(&cylinder, region.iter().map(place));
+            let reach = reach_of(&cylinder, region.iter().map(point_of));
             let all = (0..).zip(view.cloud.points());
-            let grown = grown(&cylinder, reach, region.iter().map(place), all);
+            let grown = grown(&cylinder, reach, region.iter().map(point_of), all);
             let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
             let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
             // What else lies near the surface draws the fit away.
@@ -124,12 +124,12 @@ impl Fitter {
         }
         let cylinder = into_view.cylinder(&fitted.1.cylinder);
         let is_one =
-            !fitted.1.flags.contains(Flags::POOR_FIT) && is_round(&cylinder, region.iter().map(place));
+            !fitted.1.flags.contains(Flags::POOR_FIT) && is_round(&cylinder, region.iter().map(point_of));
         Ok(is_one.then_some(Body { fit: fitted, points: region, score: detection.score, plane: None }))
     }
 
     /// The body beside a plane that a quarter of the points lie on, and scatter less about it than about the first cylinder.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn body_beside_plane(
         &self,
         view: &View,
@@ -137,7 +137,7 @@ impl Fitter {
         run: &mut Run<'_>,
         clock: &Instant,
     ) -> Result<Option<Body>> {
-        let some = spread(view.cloud.len(), ENOUGH);
+        let some = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(k)).collect();
         let Some(plane) = PlaneBeside::among(&some, first.1.point_scale) else { return Ok(None) };
         let points: List<usize> =
@@ -152,7 +152,7 @@ impl Fitter {
     }
 
     /// The fit to some points of a view, from a cylinder in its coordinates where one is known.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn fit_of_points(
         &self,
         view: &View,
@@ -202,7 +202,7 @@ pub(super) fn weight(view: &View, points: impl Iterator<Item = usize>) -> f64 {
 /// Whether the points of a fit contradict the cylinder of another one.
 pub(crate) fn contradict(fit: &FitResult, other: &FitResult) -> bool {
     let stated = fit.uncertainty.as_ref();
-    stated.is_some_and(|stated| stated.squared_distance(&other.cylinder) > CONTRADICTION.get())
+    stated.is_some_and(|stated| stated.squared_distance(&other.cylinder) > CHI_SQUARED_CONTRADICTION.get())
 }
 
 impl Body {
@@ -212,12 +212,12 @@ impl Body {
     }
 
     /// Whether its points contradict a first fit to all points of the view, and those beyond it belong to something else.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub fn contradicts(&self, first: &Fitted, view: &View) -> bool {
         let into_view = view.pose().inverse();
         let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
         let scatter =
-            |of: &Cylinder| median_size(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
+            |of: &Cylinder| median_absolute(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
         if !contradict(&self.fit.1, &first.1)
             || scatter(&first_cylinder) <= FARTHER.get() * scatter(&cylinder)
         {
@@ -226,7 +226,7 @@ impl Body {
         // What a plane explains better is no part of the first cylinder.
         let is_plane = |plane: &PlaneBeside| {
             let own = || view.cloud.points().filter(|point| plane.holds(point));
-            plane.median_distance(own()) < median_size(own().map(|point| first_cylinder.distance(&point)))
+            plane.median_distance(own()) < median_absolute(own().map(|point| first_cylinder.distance(&point)))
         };
         let plane = self.plane.filter(is_plane);
         let mut beyond = List::filled(true, view.cloud.len());

@@ -1,8 +1,8 @@
 //! Fourth stage: the arcs of the ends, located in the images for the tilt of the axis.
 
+use super::constraints::{Constraints, EndPosition, ViewConstraints};
 use super::data::{Data, ViewData};
-use super::guided::CONTRADICTION;
-use super::held::{EndPlace, Held, HeldView};
+use super::guided::SCALE_CONTRADICTION;
 use super::located::Located;
 use super::objective::{Minimum, Precision};
 use super::run::Run;
@@ -17,8 +17,8 @@ use crate::statistics::independent_part;
 use nalgebra::{SMatrix, SVector, Vector4};
 use std::ops::ControlFlow;
 
-/// Fewest places that tell how an arc is bent.
-const LEAST_PLACES: usize = 8;
+/// Fewest samples that tell how an arc is bent.
+const LEAST_SAMPLES: usize = 8;
 
 /// A ray that meets the surface at a sine below this grazes it: its position along the axis hangs on the limb.
 const LEAST_SINE: f64 = 0.25;
@@ -42,31 +42,31 @@ pub(super) const ARC_ROUNDS: usize = 5;
 /// pixels it moves them by a tenth of a pixel.
 pub(super) const SETTLED_TURN: f64 = 0.004;
 
-/// A minimum contradicts the lines that it is held to where it leaves them by this many standard deviations, root mean
+/// A minimum contradicts the lines that constrain it where it leaves them by this many standard deviations, root mean
 /// square.
 const LEFT_LINES: f64 = 3.0;
 
 /// Locates the arcs of the ends from a minimum and iterates on with them, until the axis settles. Arcs that
 /// contradict the points or the limbs are something else and are dropped.
-pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
+pub(super) fn fit_with_arcs(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
     // With a radius that no limb holds the arcs bend otherwise.
-    if located.held.limbs_located() == 0 {
+    if located.constraints.limbs_located() == 0 {
         return Ok(located);
     }
     let scale = located.minimum.scale();
-    let without = located.held.clone();
-    let Located { mut minimum, mut held } = located;
+    let without = located.constraints.clone();
+    let Located { mut minimum, mut constraints } = located;
     for _ in 0..ARC_ROUNDS {
         let before = *minimum.cylinder();
         let known =
-            held.views.iter().map(|view| KnownEnds { whole: view.is_whole(), ..KnownEnds::default() });
-        held = with_arcs(data, &without, &known.collect::<List<_>>(), &before, run)?;
-        if held.views.iter().all(|view| view.arcs.ends.is_empty()) {
+            constraints.views.iter().map(|view| KnownEnds { whole: view.is_whole(), ..KnownEnds::default() });
+        constraints = with_arcs(data, &without, &known.collect::<List<_>>(), &before, run)?;
+        if constraints.views.iter().all(|view| view.arcs.ends.is_empty()) {
             break;
         }
-        let after = data.minimise_again(&held, &minimum, Precision::Rough, run)?;
-        if contradicts(data, &held, &after, scale) {
-            held = without;
+        let after = data.minimise_again(&constraints, &minimum, Precision::Rough, run)?;
+        if contradicts(data, &constraints, &after, scale) {
+            constraints = without;
             break;
         }
         minimum = after;
@@ -74,18 +74,18 @@ pub(super) fn bend(data: &Data<'_>, located: Located, run: &mut Run<'_>) -> Resu
             break;
         }
     }
-    Ok(Located { minimum, held })
+    Ok(Located { minimum, constraints })
 }
 
 /// Whether a minimum with arcs contradicts the points, whose `scale` without arcs is known, or the lines. Points that scatter less
 /// with the arcs side with them: then it is a line that is wrong.
-pub(super) fn contradicts(data: &Data<'_>, held: &Held, minimum: &Minimum, scale: f64) -> bool {
-    let is_left = |(view, held): (&ViewData<'_>, &HeldView)| {
-        let squares = held.lines.as_ref()?.mean_square(&view.seen(minimum.cylinder()))?;
+pub(super) fn contradicts(data: &Data<'_>, constraints: &Constraints, minimum: &Minimum, scale: f64) -> bool {
+    let is_left = |(view, constraints): (&ViewData<'_>, &ViewConstraints)| {
+        let squares = constraints.lines.as_ref()?.mean_square(&view.seen(minimum.cylinder()))?;
         Some(squares > (LEFT_LINES * view.noise.endpoint).powi(2))
     };
-    let mut views = data.views.iter().zip(&held.views);
-    minimum.scale() > CONTRADICTION * scale
+    let mut views = data.views.iter().zip(&constraints.views);
+    minimum.scale() > SCALE_CONTRADICTION * scale
         || minimum.scale() > scale && views.any(|view| is_left(view) == Some(true))
 }
 
@@ -98,30 +98,30 @@ pub(super) struct KnownEnds {
     pub last: [Option<LastArc>; 2],
 }
 
-/// The arcs of the ends that the images show, each place weighed by how well it agrees with its neighbours.
+/// The arcs of the ends that the images show, each sample weighed by how well it agrees with its neighbours.
 pub(super) fn with_arcs(
     data: &Data<'_>,
-    held: &Held,
+    constraints: &Constraints,
     known: &[KnownEnds],
     cylinder: &Cylinder,
     run: &mut Run<'_>,
-) -> Result<Held> {
-    let views = data.views.iter().zip(&held.views).zip(known).map(|((view, held), known)| {
-        let found = arcs(view, held, known, &view.seen(cylinder), run)?;
+) -> Result<Constraints> {
+    let views = data.views.iter().zip(&constraints.views).zip(known).map(|((view, constraints), known)| {
+        let found = arcs(view, constraints, known, &view.seen(cylinder), run)?;
         let (arcs, ends) = found.unwrap_or_default();
-        Ok(HeldView {
+        Ok(ViewConstraints {
             arcs,
-            ends: ends.map(|end| end.map(|end| EndPlace::new(&end, cylinder))),
-            ..held.clone()
+            ends: ends.map(|end| end.map(|end| EndPosition::new(&end, cylinder))),
+            ..constraints.clone()
         })
     });
-    Ok(Held { views: views.collect::<Result<_>>()?, ..held.clone() })
+    Ok(Constraints { views: views.collect::<Result<_>>()?, ..constraints.clone() })
 }
 
 /// The arcs that one view shows, and where they are; `None` when it shows none.
 fn arcs(
     view: &ViewData<'_>,
-    held: &HeldView,
+    constraints: &ViewConstraints,
     known: &KnownEnds,
     cylinder: &Cylinder,
     run: &mut Run<'_>,
@@ -145,9 +145,9 @@ fn arcs(
         depth: view.view.depth(),
         image: Some(image),
         tolerance: depth_tolerance(&view.view.cloud, cylinder),
-        limbs_known: held.given + held.located > 0,
+        limbs_known: constraints.given + constraints.located > 0,
         noise: view.noise,
-        blur: held.limbs.as_ref().and_then(blur_of),
+        blur: constraints.limbs.as_ref().and_then(blur_of),
         last: known.last,
     };
     let ControlFlow::Continue(ends) = locate_ends(&search, cylinder, &mut || run.poll_cancel()) else {
@@ -163,16 +163,16 @@ fn arcs(
     let of_end = |end: &End| {
         let mut found = on_rims(camera, cylinder, end);
         if is_of_body(cylinder, &found) {
-            return places(found, endpoint, widening);
+            return weighted_samples(found, endpoint, widening);
         }
-        found.retain(|place| place.ray.rim == Rim::Near);
-        (!whole_object).then(|| places(found, endpoint, 0.0))?
+        found.retain(|sample| sample.ray.rim == Rim::Near);
+        (!whole_object).then(|| weighted_samples(found, endpoint, 0.0))?
     };
     Ok(Some((ArcTerm { ends: ends.iter().filter_map(of_end).collect() }, last)))
 }
 
-/// A place on a rim of an end.
-struct Place {
+/// A sample on a rim of an end.
+struct Sample {
     ray: ArcRay,
     /// Where it says that the end is, along the axis.
     position: f64,
@@ -180,13 +180,13 @@ struct Place {
     shape: Vector4<f64>,
 }
 
-/// The places of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how
+/// The samples of one end with their weights, in units of the standard deviation of an endpoint; `None` where they do not tell how
 /// the arc is bent. `widening` is the standard deviation of the radius of the end circle in the same units.
-fn places(found: List<Place>, endpoint: f64, widening: f64) -> Option<List<ArcRay>> {
+fn weighted_samples(found: List<Sample>, endpoint: f64, widening: f64) -> Option<List<ArcRay>> {
     let Circle { weights, scale, independent, .. } = Circle::<3>::through(&found)?;
     // Neighbours share pixels, and what the model of the profile leaves out.
     let factor = independent * (endpoint / scale).powi(2);
-    let weighted = |(Place { ray, shape, .. }, weight): (Place, f64)| ArcRay {
+    let weighted = |(Sample { ray, shape, .. }, weight): (Sample, f64)| ArcRay {
         weight: ray.weight * weight * factor,
         widening: widening * shape[3],
         ..ray
@@ -195,8 +195,8 @@ fn places(found: List<Place>, endpoint: f64, widening: f64) -> Option<List<ArcRa
 }
 
 /// Whether both rims of an end are seen, and on a circle of the radius of the body, not on that of a wider lid.
-fn is_of_body(cylinder: &Cylinder, found: &[Place]) -> bool {
-    if found.iter().all(|place| place.ray.rim == Rim::Near) {
+fn is_of_body(cylinder: &Cylinder, found: &[Sample]) -> bool {
+    if found.iter().all(|sample| sample.ray.rim == Rim::Near) {
         return false;
     }
     let Some(Circle { solution, covariance, scale, independent, .. }) = Circle::<4>::through(found) else {
@@ -207,11 +207,11 @@ fn is_of_body(cylinder: &Cylinder, found: &[Place]) -> bool {
     deviation <= LARGEST_OF_WIDTH && wider.abs() <= WIDER * deviation
 }
 
-/// The places on both rims of an end.
-fn on_rims(camera: &Camera, cylinder: &Cylinder, end: &End) -> List<Place> {
+/// The samples on both rims of an end.
+fn on_rims(camera: &Camera, cylinder: &Cylinder, end: &End) -> List<Sample> {
     let away = cylinder.axis.nearest_to_origin().normalize();
     let sideways = cylinder.axis.direction.cross(&away);
-    let place = |(rim, sample): (Rim, &ArcSample)| {
+    let on_rim = |(rim, sample): (Rim, &ArcSample)| {
         let ray = camera.unproject(&sample.pixel)?;
         let (position, normal) = on_wall(cylinder, &ray, rim)?;
         let sine = normal.dot(&ray);
@@ -220,30 +220,30 @@ fn on_rims(camera: &Camera, cylinder: &Cylinder, end: &End) -> List<Place> {
         let shape = Vector4::new(1.0, normal.dot(&away), normal.dot(&sideways), lean);
         let ray =
             ArcRay { ray, rim, across: sample.across, weight: sample.deviation.powi(-2), widening: 0.0 };
-        (!grazing).then_some(Place { ray, position, shape })
+        (!grazing).then_some(Sample { ray, position, shape })
     };
     let rims = [(Rim::Near, &end.samples), (Rim::Far, &end.far_rim)];
     rims.into_iter()
         .flat_map(|(rim, samples)| samples.iter().map(move |sample| (rim, sample)))
-        .filter_map(place)
+        .filter_map(on_rim)
         .collect()
 }
 
-/// A circle through the places of an end, by the first N of what moves them.
+/// A circle through the samples of an end, by the first N of what moves them.
 struct Circle<const N: usize> {
     solution: SVector<f64, N>,
-    /// Its covariance, where the deviations of the places are what they say and all are independent.
+    /// Its covariance, where the deviations of the samples are what they say and all are independent.
     covariance: SMatrix<f64, N, N>,
     weights: List<f64>,
-    /// How much more the places scatter than their deviations explain.
+    /// How much more the samples scatter than their deviations explain.
     scale: f64,
     /// The part of them that is independent.
     independent: f64,
 }
 
 impl<const N: usize> Circle<N> {
-    fn through(found: &[Place]) -> Option<Self> {
-        if found.len() < LEAST_PLACES {
+    fn through(found: &[Sample]) -> Option<Self> {
+        if found.len() < LEAST_SAMPLES {
             return None;
         }
         let driver = Reweighting { rounds: REWEIGHTINGS, scale: Scale::AtLeast(1.0) };
@@ -251,14 +251,14 @@ impl<const N: usize> Circle<N> {
         let (mut solution, mut covariance) = (SVector::zeros(), SMatrix::zeros());
         let Reweighted { weights, scale } = driver.fit(found.len(), |weights, residuals| {
             let (mut square, mut right) = (SMatrix::<f64, N, N>::zeros(), SVector::<f64, N>::zeros());
-            for (Place { ray, position, shape }, weight) in found.iter().zip(weights) {
+            for (Sample { ray, position, shape }, weight) in found.iter().zip(weights) {
                 let (w, shape) = (weight * ray.weight * ray.across * ray.across, shape.fixed_rows::<N>(0));
                 square += shape * shape.transpose() * w;
                 right += shape * (w * position);
             }
             covariance = square.try_inverse()?;
             solution = covariance * right;
-            for (Place { ray, position, shape }, residual) in found.iter().zip(residuals.iter_mut()) {
+            for (Sample { ray, position, shape }, residual) in found.iter().zip(residuals.iter_mut()) {
                 let left = position - shape.fixed_rows::<N>(0).dot(&solution);
                 *residual = left * ray.across * ray.weight.sqrt();
             }

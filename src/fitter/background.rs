@@ -6,7 +6,7 @@
 
 use super::view::View;
 use crate::geometry::{Cylinder, LocalFrame};
-use crate::observations::{ENOUGH, spread};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, spread};
 use crate::residuals::TUKEY_EFFICIENT;
 use nalgebra::{Vector2, Vector3};
 
@@ -59,17 +59,17 @@ impl Surface {
         if within > WIDEST * cylinder.radius {
             return None;
         }
-        let most = ENOUGH / views.clone().count();
+        let most = ENOUGH_POINTS_TO_FIT / views.clone().count();
         let (mut on, mut beside) = ([0.0; SECTORS], [0.0; SECTORS]);
         for view in views.clone() {
             let seen = frame.moved(&view.pose().inverse());
             // Of very many a part that no length of rows is in step with.
             for index in spread(view.cloud.len(), most) {
-                let place = Place::new(&seen, &view.cloud.point(index));
-                if place.distance <= within {
-                    on[place.sector()] += 1.0;
-                } else if place.distance <= REACH * within {
-                    beside[place.sector()] += 1.0;
+                let position = Position::new(&seen, &view.cloud.point(index));
+                if position.distance <= within {
+                    on[position.sector()] += 1.0;
+                } else if position.distance <= REACH * within {
+                    beside[position.sector()] += 1.0;
                 }
             }
         }
@@ -98,20 +98,20 @@ impl Surface {
     /// The view with the points of these sectors alone.
     pub fn of(&self, view: &View) -> View {
         let seen = self.frame.moved(&view.pose().inverse());
-        let holds = |index| self.holds[Place::new(&seen, &view.cloud.point(index)).sector()];
+        let holds = |index| self.holds[Position::new(&seen, &view.cloud.point(index)).sector()];
         view.with_points(view.cloud.chosen(holds), view.body.clone())
     }
 }
 
 /// Where a point is about a cylinder.
-struct Place {
+struct Position {
     /// Across the axis.
     across: [f64; 2],
     /// From the surface.
     distance: f64,
 }
 
-impl Place {
+impl Position {
     fn new(frame: &LocalFrame, point: &Vector3<f64>) -> Self {
         let aside = point - frame.cylinder.axis.point;
         let [x, y] = [aside.dot(&frame.u), aside.dot(&frame.v)];

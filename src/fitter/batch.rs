@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///
 /// `threads` is how many fits run at the same time, 0 for as many as the machine has processors; 1 starts no thread. Each
 /// fit takes as many as its options say beside that. The results have the same bits for any number. `ended` is called
-/// after each fit, on the calling thread and in the order in which they end, with its place and its result. It may stop the
+/// after each fit, on the calling thread and in the order in which they end, with its position and its result. It may stop the
 /// rest, whose error is `Cancelled` then and for which it is not called.
 pub fn fit_all(
     fitters: &mut [Fitter],

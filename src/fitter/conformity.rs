@@ -57,7 +57,7 @@ impl Tolerance {
         Err(Error::argument("the tolerance", format!("{lower} to {upper}"), requirement))
     }
 
-    /// The same with another coverage factor.
+    /// These limits with another coverage factor.
     ///
     /// # Errors
     /// `InvalidArgument` unless it is finite and greater than 0.
@@ -111,7 +111,7 @@ impl FitResult {
         tolerance.decide(self.cylinder.radius, deviation, self.flags)
     }
 
-    /// The same for the diameter, with limits of the diameter.
+    /// Whether the diameter conforms to a tolerance, whose limits are those of the diameter.
     ///
     /// # Errors
     /// See [`Tolerance::decide`].

@@ -4,12 +4,12 @@
 //! looked in the last image. What does not agree with that takes all stages.
 
 use super::arcs::{ARC_ROUNDS, KnownEnds, SETTLED_TURN, contradicts, with_arcs};
+use super::constraints::{Constraints, EndPosition, ViewConstraints};
 use super::data::{Data, ViewData};
 use super::fit::Fit;
 use super::guided::GuidedView;
 use super::guides::Guides;
-use super::held::{EndPlace, Held, HeldView};
-use super::located::{Located, Observations, held, lines_of};
+use super::located::{Located, Observations, constraints, lines_of};
 use super::objective::Precision;
 use super::options::{EdgeUse, Options, StartKind};
 use super::result::Flags;
@@ -49,22 +49,22 @@ struct LastView {
     index: usize,
     scales: Option<RobustScales>,
     appearance: Option<Appearance>,
-    ends: [Option<EndPlace>; 2],
+    ends: [Option<EndPosition>; 2],
 }
 
 impl Last {
     pub fn new(fit: &Fit) -> Self {
         let scales = fit.scales.as_ref();
-        let view = |(k, held): (usize, &HeldView)| LastView {
-            index: held.index,
+        let view = |(k, constraints): (usize, &ViewConstraints)| LastView {
+            index: constraints.index,
             scales: scales.and_then(|scales| scales.views.get(k).copied()),
-            appearance: held.appearance.clone(),
-            ends: held.ends,
+            appearance: constraints.appearance.clone(),
+            ends: constraints.ends,
         };
         Self {
             cylinder: fit.cylinder,
             scale: scales.map(|scales| scales.all),
-            views: fit.held.views.iter().enumerate().map(view).collect(),
+            views: fit.constraints.views.iter().enumerate().map(view).collect(),
         }
     }
 
@@ -130,9 +130,10 @@ impl Sequence<'_, '_> {
             CylinderLimits { radius_min: radius, radius_max: radius, ..of_user.cylinder_limits };
         let options = Options { cylinder_limits, ..*of_user };
         let data = Data { options: &options, views: self.data.views.clone(), ..*self.data };
-        let without_lines = |view: &ViewData<'_>| HeldView::new(view, &[], 0, 0);
-        let held = Held { views: data.views.iter().map(without_lines).collect(), ..Held::default() };
-        let minimum = data.minimise_near(&held, cylinder, self.scales.clone(), Precision::Rough, run);
+        let without_lines = |view: &ViewData<'_>| ViewConstraints::new(view, &[], 0, 0);
+        let constraints =
+            Constraints { views: data.views.iter().map(without_lines).collect(), ..Constraints::default() };
+        let minimum = data.minimise_near(&constraints, cylinder, self.scales.clone(), Precision::Rough, run);
         Ok(unless_cancelled(minimum)?.ok().map(|minimum| *minimum.cylinder()))
     }
 
@@ -145,7 +146,7 @@ impl Sequence<'_, '_> {
         let flags = data.views.iter().fold(Flags::empty(), |flags, view| flags | view.edges.flags);
         let mut lines = lines_of(data, &observations);
         data.loosen(&mut lines, &observations, cylinder, &self.scales);
-        let mut without = held(data, &guided, flags, &lines);
+        let mut without = constraints(data, &guided, flags, &lines);
         without.keep(observations);
         without.settle(&self.scales);
         if without.contradicts_segments(data, &guided) {
@@ -162,22 +163,22 @@ impl Sequence<'_, '_> {
         let mut before = *cylinder;
         let mut located: Option<Located> = None;
         for _ in 0..ARC_ROUNDS {
-            let held = with_arcs(data, &without, &known, &before, run)?;
+            let constraints = with_arcs(data, &without, &known, &before, run)?;
             let minimum = match &located {
-                None => data.minimise_near(&held, &before, self.scales.clone(), Precision::Full, run),
-                Some(located) => data.minimise_again(&held, &located.minimum, Precision::Full, run),
+                None => data.minimise_near(&constraints, &before, self.scales.clone(), Precision::Full, run),
+                Some(located) => data.minimise_again(&constraints, &located.minimum, Precision::Full, run),
             };
             let Ok(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
-            if contradicts(data, &held, &minimum, self.scales.all) {
+            if contradicts(data, &constraints, &minimum, self.scales.all) {
                 return Ok(None);
             }
             let after = *minimum.cylinder();
-            let arcs = |view: &HeldView| KnownEnds {
+            let arcs = |view: &ViewConstraints| KnownEnds {
                 whole: view.is_whole(),
                 last: view.ends.map(|end| end.map(|end| end.on(&after))),
             };
-            known = held.views.iter().map(arcs).collect();
-            located = Some(Located { minimum, held });
+            known = constraints.views.iter().map(arcs).collect();
+            located = Some(Located { minimum, constraints });
             if !known.iter().any(|known| known.whole) || before.axis.angle(&after.axis) < SETTLED_TURN {
                 break;
             }

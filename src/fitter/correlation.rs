@@ -20,7 +20,7 @@ const UNCORRELATED: f64 = 0.1;
 const UNCORRELATED_DEVIATIONS: f64 = 3.0;
 
 /// Longest range of correlation that is looked for, in points: matching windows have up to 11 pixels. What is alike
-/// farther apart is no noise but a misfit.
+/// farther apart is no noise but lack of fit.
 const LONGEST_CORRELATION: usize = 11;
 
 /// Fewest pairs of neighbours that tell a correlation: of fewer even one of 0.5 is chance.
@@ -32,14 +32,14 @@ const CENTRAL_PART: f64 = 0.98;
 /// Most cells a point in a grid made from where they are: of points along a slanted line nearly all cells are empty.
 const MOST_CELLS: f64 = 64.0;
 
-/// Fewest points a place in the mean where points share their places.
-const SHARED_PLACES: usize = 2;
+/// Fewest points a position in the mean where points share their positions.
+const SHARED_POSITIONS: usize = 2;
 
 /// A cell of the grid, its column and its row for a point that lies outside.
 const OUTSIDE: u32 = u32::MAX;
 
-/// Places of points on a plane, or columns and rows of their cells: by axis, so that many are looked at side by side.
-type Places = [List<f64>; 2];
+/// Positions of points on a plane, or columns and rows of their cells: by axis, so that many are looked at side by side.
+type Positions = [List<f64>; 2];
 type Cells = [List<u32>; 2];
 
 /// How many of them are computed in one go.
@@ -75,34 +75,35 @@ impl Lattice {
             return None;
         }
         let origin = cloud.origin();
-        Self::of_places(match cloud.offsets() {
+        Self::of_positions(match cloud.offsets() {
             Offsets::F32(axes) => Arch::new().dispatch(Seen { origin, axes }),
             Offsets::F64(axes) => Arch::new().dispatch(Seen { origin, axes }),
         }?)
     }
 
-    /// The places of points on a cylinder: along the circumference and along the axis.
+    /// The positions of points on a cylinder: along the circumference and along the axis.
     pub fn on_surface(cloud: &PointCloud, frame: &LocalFrame) -> Option<Self> {
         let origin = cloud.origin() - frame.cylinder.axis.point;
-        Self::of_places(match cloud.offsets() {
+        Self::of_positions(match cloud.offsets() {
             Offsets::F32(axes) => Arch::new().dispatch(OnSurface { origin, axes, frame }),
             Offsets::F64(axes) => Arch::new().dispatch(OnSurface { origin, axes, frame }),
         })
     }
 
-    /// A grid with about one place a cell. Places that several points share, as those of a still camera's frames do, count once.
-    fn of_places(places: Places) -> Option<Self> {
-        let count = places[0].len();
+    /// A grid with about one position a cell. Positions that several points share, as those of a still camera's frames do, count once.
+    fn of_positions(positions: Positions) -> Option<Self> {
+        let count = positions[0].len();
         if count == 0 {
             return None;
         }
         let outer = ((1.0 - CENTRAL_PART) / 2.0 * count as f64) as usize;
-        let bounds = places.each_ref().map(|places| at_both_ends(places, outer));
+        let bounds = positions.each_ref().map(|positions| at_both_ends(positions, outer));
         let size = bounds.map(|[low, high]| high - low);
         if !(size[0] > 0.0 && size[1] > 0.0 && (size[0] * size[1]).is_finite()) {
             return None;
         }
-        let cells = |step: f64| Arch::new().dispatch(InCells { places: &places, bounds: &bounds, step });
+        let cells =
+            |step: f64| Arch::new().dispatch(InCells { positions: &positions, bounds: &bounds, step });
         let occupied = |step: f64| {
             let cells = cells(step);
             let grid = Grid::around(&cells, 0)?;
@@ -115,24 +116,24 @@ impl Lattice {
         };
         let mut distinct = count;
         let step = loop {
-            // Cells that surely hold several places tell the area that these cover.
+            // Cells that surely hold several positions tell the area that these cover.
             let area = size[0] * size[1] / distinct as f64;
             // Points in one row, to rounding, have no more cells than there are points either.
             let shortest = size[0].max(size[1]) / distinct as f64;
             let coarse = (2.0 * area.sqrt()).max(shortest);
             let step = coarse * (occupied(coarse)? as f64 / distinct as f64).sqrt();
             let step = step.max((area / MOST_CELLS).sqrt()).max(shortest);
-            // Of places at random 37 of 100 cells are empty.
+            // Of positions at random 37 of 100 cells are empty.
             let taken = occupied(step)?.max(1);
-            // Where smaller cells would part them, it is not that they share places: a strip that lies aslant has few cells.
-            if SHARED_PLACES * taken > distinct || 4 * occupied(0.5 * step)? > 5 * taken {
+            // Where smaller cells would part them, it is not that they share positions: a strip that lies aslant has few cells.
+            if SHARED_POSITIONS * taken > distinct || 4 * occupied(0.5 * step)? > 5 * taken {
                 break step;
             }
             distinct = taken;
         };
         let cells = cells(step);
         // No longer needed, and much memory in a large cloud.
-        drop(places);
+        drop(positions);
         Self::new(cells)
     }
 
@@ -187,8 +188,8 @@ impl Lattice {
             }
             range
         };
-        // Where points share places, those of one place have a range of their own.
-        let of_place = if SHARED_PLACES as f64 * self.taken > residuals.len() as f64 {
+        // Where points share positions, those of one position have a range of their own.
+        let of_position = if SHARED_POSITIONS as f64 * self.taken > residuals.len() as f64 {
             1.0
         } else {
             let [mut sum, mut points] = [0.0, 0.0];
@@ -200,7 +201,7 @@ impl Lattice {
             let share = self.shares.iter().map(|&share| f64::from(share)).sum::<f64>() / self.taken;
             (variance / (sum / points * share)).max(1.0)
         };
-        (residuals.len() as f64 / (range(0) * range(1) * of_place)).max(1.0)
+        (residuals.len() as f64 / (range(0) * range(1) * of_position)).max(1.0)
     }
 }
 
@@ -211,10 +212,10 @@ struct Seen<'a, T> {
 }
 
 impl<T: Copy + Into<f64>> WithSimd for Seen<'_, T> {
-    type Output = Option<Places>;
+    type Output = Option<Positions>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> Option<Places> {
+    fn with_simd<S: Simd>(self, _simd: S) -> Option<Positions> {
         let Self { origin, axes: [x, y, z] } = self;
         let mut behind = 0;
         for z in z {
@@ -223,21 +224,21 @@ impl<T: Copy + Into<f64>> WithSimd for Seen<'_, T> {
         if behind != 0 {
             return None;
         }
-        let mut places = [List::with_capacity(z.len()), List::with_capacity(z.len())];
+        let mut positions = [List::with_capacity(z.len()), List::with_capacity(z.len())];
         let mut block = [0.0; BLOCK];
-        for ((places, values), from) in places.iter_mut().zip([x, y]).zip([origin.x, origin.y]) {
+        for ((positions, values), from) in positions.iter_mut().zip([x, y]).zip([origin.x, origin.y]) {
             for (values, z) in values.chunks(BLOCK).zip(z.chunks(BLOCK)) {
-                for ((place, value), z) in block.iter_mut().zip(values).zip(z) {
-                    *place = (from + (*value).into()) / (origin.z + (*z).into());
+                for ((position, value), z) in block.iter_mut().zip(values).zip(z) {
+                    *position = (from + (*value).into()) / (origin.z + (*z).into());
                 }
-                places.extend_from_slice(&block[..z.len()]);
+                positions.extend_from_slice(&block[..z.len()]);
             }
         }
-        Some(places)
+        Some(positions)
     }
 }
 
-/// The places of points on a cylinder: along the circumference and along the axis.
+/// The positions of points on a cylinder: along the circumference and along the axis.
 struct OnSurface<'a, T> {
     /// Where their offsets begin, from the point of the axis.
     origin: Vector3<f64>,
@@ -246,12 +247,12 @@ struct OnSurface<'a, T> {
 }
 
 impl<T: Copy + Into<f64>> WithSimd for OnSurface<'_, T> {
-    type Output = Places;
+    type Output = Positions;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> Places {
+    fn with_simd<S: Simd>(self, _simd: S) -> Positions {
         let Self { origin, axes: [x, y, z], frame: LocalFrame { cylinder, u, v, .. } } = self;
-        let mut places = [List::with_capacity(x.len()), List::with_capacity(x.len())];
+        let mut positions = [List::with_capacity(x.len()), List::with_capacity(x.len())];
         let (mut around, mut along) = ([0.0; BLOCK], [0.0; BLOCK]);
         for (x, (y, z)) in x.chunks(BLOCK).zip(y.chunks(BLOCK).zip(z.chunks(BLOCK))) {
             let points = x.iter().zip(y).zip(z);
@@ -260,10 +261,10 @@ impl<T: Copy + Into<f64>> WithSimd for OnSurface<'_, T> {
                 *around = cylinder.radius * turn(q.dot(u), q.dot(v));
                 *along = q.dot(&cylinder.axis.direction);
             }
-            places[0].extend_from_slice(&around[..x.len()]);
-            places[1].extend_from_slice(&along[..x.len()]);
+            positions[0].extend_from_slice(&around[..x.len()]);
+            positions[1].extend_from_slice(&along[..x.len()]);
         }
-        places
+        positions
     }
 }
 
@@ -280,9 +281,9 @@ fn turn(x: f64, y: f64) -> f64 {
     size.copysign(y)
 }
 
-/// In which cells of a size places within bounds are.
+/// In which cells of a size positions within bounds are.
 struct InCells<'a> {
-    places: &'a Places,
+    positions: &'a Positions,
     bounds: &'a [[f64; 2]; 2],
     step: f64,
 }
@@ -292,7 +293,7 @@ impl WithSimd for InCells<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Cells {
-        let Self { places: [x, y], bounds: [[left, right], [top, bottom]], step } = self;
+        let Self { positions: [x, y], bounds: [[left, right], [top, bottom]], step } = self;
         let per_step = step.recip();
         let mut cells = [List::with_capacity(x.len()), List::with_capacity(x.len())];
         let (mut columns, mut rows) = ([0; BLOCK], [0; BLOCK]);
@@ -337,7 +338,7 @@ impl Grid {
         Some(Self { low: [left, top], stride, size: stride * rows as usize })
     }
 
-    /// The places of cells in the rectangle, row by row.
+    /// The positions of cells in the rectangle, row by row.
     fn indices(&self, [mut columns, rows]: Cells) -> List<u32> {
         let ([left, top], stride) = (self.low, self.stride as u32);
         Arch::new().dispatch(|| {

@@ -2,8 +2,8 @@
 
 use super::continued::Last;
 use super::edges::UsableEdges;
-use super::few::Neighbours;
 use super::options::{ChartChoice, Method, NearWall, ObjectiveKind, Options};
+use super::subsample::Neighbours;
 use super::view::View;
 use crate::camera::Camera;
 use crate::error::{Error, Result, short};

@@ -1,7 +1,7 @@
 //! What is said about a cylinder: costs, warnings, residuals, and what the data determine.
 
+use super::constraints::Constraints;
 use super::data::{self, Data};
-use super::held::Held;
 use super::options::StartKind;
 use super::result::{FitResult, Flags, Seconds};
 use super::scales::Scales;
@@ -56,8 +56,8 @@ pub struct Diagnosis {
 }
 
 /// Rank, condition and the weakest direction of the stacked Jacobian at a cylinder.
-pub(super) fn diagnose(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Result<Diagnosis> {
-    let rows = data.rows(held, cylinder).ok_or_else(infinite_cost)?;
+pub(super) fn diagnose(data: &Data<'_>, constraints: &Constraints, cylinder: &Cylinder) -> Result<Diagnosis> {
+    let rows = data.rows(constraints, cylinder).ok_or_else(infinite_cost)?;
     let rank = LeastSquares::new(&rows)?.rank()?;
     let LocalFrame { u, v, unit, .. } = data.frame(cylinder);
     let weakest = rank.weakest;
@@ -73,7 +73,7 @@ pub(super) fn diagnose(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Res
 /// they are known.
 pub(super) fn describe(
     data: &Data<'_>,
-    held: &Held,
+    constraints: &Constraints,
     start: &Candidate,
     cylinder: &Cylinder,
     scales: Option<&Scales>,
@@ -88,7 +88,7 @@ pub(super) fn describe(
     };
     // For the direction that the result shows.
     let frame = data.frame(&data.canonical(cylinder));
-    let objective = data.objective(held, cylinder, scales);
+    let objective = data.objective(constraints, cylinder, scales);
     let equations = objective.linearise(&frame).ok_or_else(infinite_cost)?;
     let squared = data.unit * data.unit;
     let eigenvalues = equations.hessian.symmetric_eigenvalues();
@@ -104,16 +104,16 @@ pub(super) fn describe(
     let unknown = coarse && resolution > scales.all || data.is_exact_by_chance(cylinder, scales);
     let (uncertainty, radii, shift) = match unknown {
         true => (None, None, None),
-        false => data.uncertainty(held, &frame, scales, &objective),
+        false => data.uncertainty(constraints, &frame, scales, &objective),
     };
     // A mask is a hint: the radius by its sides is none by limbs.
-    let (radii, by_sides) = if held.has_limbs() { (radii, None) } else { (None, radii) };
-    let limbs = held.views.first().and_then(|view| view.limbs.as_ref());
+    let (radii, by_sides) = if constraints.has_limbs() { (radii, None) } else { (None, radii) };
+    let limbs = constraints.views.first().and_then(|view| view.limbs.as_ref());
     let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
-    let scale_held = held.edge_weight == 1.0 && !data.has_fixed_radius();
+    let scale_held = constraints.edge_weight == 1.0 && !data.has_fixed_radius();
     let weak =
         scale_held || is_weak(data, &equations, cylinder) || hides_radius(uncertainty.as_ref(), cylinder);
-    let mut flags = held.flags;
+    let mut flags = constraints.flags;
     flags.set(Flags::SCALE_HELD, scale_held);
     flags.set(Flags::WEAK_RADIUS, weak);
     flags.set(Flags::RESOLUTION_LOST, coarse);
@@ -123,8 +123,8 @@ pub(super) fn describe(
     flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
     flags |= data.contradicted(&frame, scales, &objective);
     flags |= warnings_of_points(data, cylinder, &frame, scales);
-    flags |= warnings_of_masks(data, held, cylinder, scales, (uncertainty.as_ref(), by_sides));
-    if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, held, cylinder) {
+    flags |= warnings_of_masks(data, constraints, cylinder, scales, (uncertainty.as_ref(), by_sides));
+    if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, constraints, cylinder) {
         flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
     }
     if taper.is_some_and(Taper::is_wrong) {
@@ -152,14 +152,14 @@ pub(super) fn describe(
         initial_cost: equations.cost * squared,
         cost: equations.cost * squared,
         energy_points,
-        energy_edges: energy_of_edges(data, held, cylinder),
-        edge_weight: data.options.has_edge_weight().then_some(held.edge_weight),
+        energy_edges: energy_of_edges(data, constraints, cylinder),
+        edge_weight: data.options.has_edge_weight().then_some(constraints.edge_weight),
         points_used: count,
         points_given: clouds().map(PointCloud::given).sum(),
         dropped,
-        segments_used: held.segments_used(),
+        segments_used: constraints.segments_used(),
         segments_given: data.views.iter().map(|view| view.view.segments.len()).sum(),
-        limbs_located: held.limbs_located(),
+        limbs_located: constraints.limbs_located(),
         point_rms: energy_points.sqrt(),
         point_scale: if count > 0 { scales.all } else { 0.0 },
         independent_points: independent.sum(),
@@ -189,7 +189,7 @@ fn warnings_of_points(data: &Data<'_>, cylinder: &Cylinder, frame: &LocalFrame, 
     flags.set(Flags::CAMERA_INSIDE, data.observer_inside(cylinder));
     flags.set(Flags::RADIUS_AT_LIMIT, limits.hold_radius(cylinder));
     flags.set(Flags::AXIS_AT_LIMIT, limits.hold_axis(cylinder));
-    let poor = scales.all > largest_scale(data, cylinder) || data.is_misfit(frame, scales);
+    let poor = scales.all > largest_scale(data, cylinder) || data.has_lack_of_fit(frame, scales);
     flags.set(Flags::POOR_FIT, data.count() > 0 && poor);
     flags
 }
@@ -197,7 +197,7 @@ fn warnings_of_points(data: &Data<'_>, cylinder: &Cylinder, frame: &LocalFrame, 
 /// Warnings about masks, by what is stated of the cylinder and the radii by their sides and by points.
 fn warnings_of_masks(
     data: &Data<'_>,
-    held: &Held,
+    constraints: &Constraints,
     cylinder: &Cylinder,
     scales: &Scales,
     (stated, by_sides): (Option<&Uncertainty>, Option<RadiusComparison>),
@@ -207,16 +207,16 @@ fn warnings_of_masks(
     let mut flags = Flags::empty();
     flags.set(Flags::MASK_DISAGREES, contested || data.mask_holds_another(cylinder, scales));
     if let Some(stated) = stated {
-        flags |= data.masks_against(held, cylinder, scales, stated.radius());
+        flags |= data.masks_against(constraints, cylinder, scales, stated.radius());
     }
     flags
 }
 
 /// Whether a line that an image shows for a limb is not where the cylinder has one, by more than its error and a pixel of the drawing:
 /// the points drew the fit away from it, or it was left out.
-fn leaves_lines(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> bool {
-    data.views.iter().zip(&held.views).any(|(view, held)| {
-        let lines = held.limbs.iter().flatten().filter_map(|limb| limb.line.as_ref().ok());
+fn leaves_lines(data: &Data<'_>, constraints: &Constraints, cylinder: &Cylinder) -> bool {
+    data.views.iter().zip(&constraints.views).any(|(view, constraints)| {
+        let lines = constraints.limbs.iter().flatten().filter_map(|limb| limb.line.as_ref().ok());
         lines.into_iter().any(|line| view.leaves(line, &view.seen(cylinder)))
     })
 }
@@ -224,12 +224,12 @@ fn leaves_lines(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> bool {
 /// The same for a cylinder that takes the place of a minimum and is none.
 pub(super) fn describe_beside_minimum(
     data: &Data<'_>,
-    held: &Held,
+    constraints: &Constraints,
     cylinder: &Cylinder,
 ) -> Result<FitResult> {
     let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
-    let mut result = describe(data, held, &start, cylinder, None)?;
-    let about = |about| data.uncertainty_beside_minimum(held, cylinder, &about);
+    let mut result = describe(data, constraints, &start, cylinder, None)?;
+    let about = |about| data.uncertainty_beside_minimum(constraints, cylinder, &about);
     result.uncertainty = result.uncertainty.and_then(about);
     result.flags |= Flags::NOT_CONVERGED;
     result
@@ -256,10 +256,10 @@ fn largest_scale(data: &Data<'_>, cylinder: &Cylinder) -> f64 {
 }
 
 /// E_L over the views with two usable segments that count.
-fn energy_of_edges(data: &Data<'_>, held: &Held, cylinder: &Cylinder) -> Option<f64> {
+fn energy_of_edges(data: &Data<'_>, constraints: &Constraints, cylinder: &Cylinder) -> Option<f64> {
     let terms = data.views.iter().filter_map(|view| Some((view.limb_term()?, view.seen(cylinder))));
     let energies = terms.map(|(term, seen)| term.energy(&seen)).collect::<Option<List<f64>>>()?;
-    let counts = !held.flags.contains(Flags::EDGES_IGNORED) && !energies.is_empty();
+    let counts = !constraints.flags.contains(Flags::EDGES_IGNORED) && !energies.is_empty();
     counts.then(|| energies.iter().sum::<f64>() / energies.len() as f64)
 }
 

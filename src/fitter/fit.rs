@@ -6,14 +6,14 @@
 //! Data ─ start ─▶ candidates ─ guided ─▶ Guided ─ located ─▶ Located ─ arcs ─▶ Located ─ minimum ─▶ Fit
 //! ```
 //!
-//! Of very many points a part goes through all stages but the last minimum: see `few`. In a sequence `continued` may lead
+//! Of very many points a part goes through all stages but the last minimum: see `subsample`. In a sequence `continued` may lead
 //! from the data to the last minimum at once.
 
 use super::arcs;
+use super::constraints::Constraints;
 use super::continued;
 use super::data::Data;
-use super::guided::{self, CONTRADICTION, GIVEN_CONTRADICTION, Guided, reason_without_limbs};
-use super::held::Held;
+use super::guided::{self, GIVEN_CONTRADICTION, Guided, SCALE_CONTRADICTION, reason_without_limbs};
 use super::located::{self, Located};
 use super::objective::{Minimum, Precision};
 use super::options::{Method, StartKind};
@@ -36,16 +36,16 @@ pub(super) struct Fit {
     pub start: Candidate,
     /// `None` for the methods that do not iterate.
     pub convergence: Option<Convergence>,
-    pub held: Held,
+    pub constraints: Constraints,
     /// The scales at the cylinder, where they are known.
     pub scales: Option<Scales>,
 }
 
 /// Fits by the method of the options. `started` is called when a start has been found.
 pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut()) -> Result<Fit> {
-    let views_of_few = data.views_of_few();
-    let few = views_of_few.as_ref().map(|views| data.of_few(views));
-    let few = few.as_ref().unwrap_or(data);
+    let views_of_subsample = data.views_of_subsample();
+    let subsample = views_of_subsample.as_ref().map(|views| data.of_subsample(views));
+    let subsample = subsample.as_ref().unwrap_or(data);
     match data.options.method {
         Method::Eberly => {
             let reason = || Error::NoStart { reason: "the moments of the points give no cylinder".into() };
@@ -53,76 +53,84 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
         }
         Method::Ransac => without_iteration(data, StartKind::Ransac, data.ransac(run)?),
         Method::Fused | Method::Points if !data.is_robust() => {
-            let candidates = few.candidates(run)?;
+            let candidates = subsample.candidates(run)?;
             started();
-            paper(data, few, &candidates, run)
+            paper(data, subsample, &candidates, run)
         }
         Method::Fused | Method::Points => {
             started();
-            let (start, located) = match continued::locate(few, run)? {
-                Some(continued) if few.count() == data.count() => return Ok(ended(continued.0, continued.1)),
+            let (start, located) = match continued::locate(subsample, run)? {
+                Some(continued) if subsample.count() == data.count() => {
+                    return Ok(ended(continued.0, continued.1));
+                }
                 Some(continued) => continued,
                 None => {
-                    let candidates = few.candidates(run)?;
+                    let candidates = subsample.candidates(run)?;
                     started();
-                    robust(few, &candidates, run)?
+                    robust(subsample, &candidates, run)?
                 }
             };
-            Ok(ended(start, last_minimum(data, few, located, run)?))
+            Ok(ended(start, last_minimum(data, subsample, located, run)?))
         }
     }
 }
 
 /// The minimum with all points and in full, in which they give way to lines as far as bent points do.
-fn last_minimum(data: &Data<'_>, few: &Data<'_>, located: Located, run: &mut Run<'_>) -> Result<Located> {
-    let mut minimise = |held: &Held, from: &Minimum| match few.count() == data.count() {
-        true => data.minimise_again(held, from, Precision::Full, run),
-        false => data.minimise_with_all(held, from, run),
+fn last_minimum(
+    data: &Data<'_>,
+    subsample: &Data<'_>,
+    located: Located,
+    run: &mut Run<'_>,
+) -> Result<Located> {
+    let mut minimise = |constraints: &Constraints, from: &Minimum| match subsample.count() == data.count() {
+        true => data.minimise_again(constraints, from, Precision::Full, run),
+        false => data.minimise_with_all(constraints, from, run),
     };
-    let Located { minimum: mut from, held } = located;
-    let minimum = minimise(&held, &from)?;
-    if minimum.scale() <= most_by_bend(&held) * from.scale() {
-        return Ok(Located { minimum, held });
+    let Located { minimum: mut from, constraints } = located;
+    let minimum = minimise(&constraints, &from)?;
+    if minimum.scale() <= most_by_bend(&constraints) * from.scale() {
+        return Ok(Located { minimum, constraints });
     }
     // From where it was, with the work that was done in vain.
     from.convergence = Convergence { cylinder: *from.cylinder(), ..minimum.convergence };
-    let held = contradicted(held);
-    Ok(Located { minimum: minimise(&held, &from)?, held })
+    let constraints = contradicted(constraints);
+    Ok(Located { minimum: minimise(&constraints, &from)?, constraints })
 }
 
 /// By how much the scale of the points rises at most where they give way to lines because they are bent. Limbs that an image shows hold
 /// the radius before that. Others leave more to it: by time of flight up to 2.3 times, where noise is averaged away.
-fn most_by_bend(held: &Held) -> f64 {
-    if held.limbs_located() > 0 { CONTRADICTION } else { GIVEN_CONTRADICTION }
+fn most_by_bend(constraints: &Constraints) -> f64 {
+    if constraints.limbs_located() > 0 { SCALE_CONTRADICTION } else { GIVEN_CONTRADICTION }
 }
 
-/// What a cylinder is held to where it is not the points that are bent, but the lines that are wrong: the points do not give way.
-fn contradicted(held: Held) -> Held {
-    let warning = if held.has_limbs() { Flags::POINTS_AND_LIMBS_DISAGREE } else { Flags::MASK_DISAGREES };
-    Held { settled: false, flags: held.flags | warning, ..held }
+/// The constraints of a cylinder where it is not the points that are bent, but the lines that are wrong: the points do not give way.
+fn contradicted(constraints: Constraints) -> Constraints {
+    let warning =
+        if constraints.has_limbs() { Flags::POINTS_AND_LIMBS_DISAGREE } else { Flags::MASK_DISAGREES };
+    Constraints { settled: false, flags: constraints.flags | warning, ..constraints }
 }
 
 fn without_iteration(data: &Data<'_>, kind: StartKind, cylinder: Cylinder) -> Result<Fit> {
     data.check_radius(&cylinder)?;
     let start = Candidate { kind, cylinder };
-    Ok(Fit { cylinder, start, convergence: None, held: Held::as_given(data), scales: None })
+    Ok(Fit { cylinder, start, convergence: None, constraints: Constraints::as_given(data), scales: None })
 }
 
 /// The paper's objective, or its points alone.
-#[inline(never)] // Frames of ways that are not taken need no stack.
-fn paper(data: &Data<'_>, few: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
-    let mut held = Held::as_given(data);
-    if !candidates.iter().any(|candidate| data.edges_are_finite(&held, &candidate.cylinder)) {
-        held = Held::without_edges(data, reason_without_limbs(data, candidates));
+#[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
+fn paper(data: &Data<'_>, subsample: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Fit> {
+    let mut constraints = Constraints::as_given(data);
+    if !candidates.iter().any(|candidate| data.edges_are_finite(&constraints, &candidate.cylinder)) {
+        constraints = Constraints::without_edges(data, reason_without_limbs(data, candidates));
     }
-    let (start, mut minimum) = few.best_minimum(&held, candidates, Precision::Full, run)?;
-    if few.count() < data.count() {
-        let of_few = minimum.convergence;
-        minimum = data.minimise(&held, &of_few.cylinder, Precision::Full, run)?;
+    let (start, mut minimum) = subsample.best_minimum(&constraints, candidates, Precision::Full, run)?;
+    if subsample.count() < data.count() {
+        let of_subsample = minimum.convergence;
+        minimum = data.minimise(&constraints, &of_subsample.cylinder, Precision::Full, run)?;
         data.check_radius(minimum.cylinder())?;
-        minimum.convergence.add_work_of(&of_few);
+        minimum.convergence.add_work_of(&of_subsample);
     }
-    Ok(Fit { scales: None, ..ended(start, Located { minimum, held }) })
+    Ok(Fit { scales: None, ..ended(start, Located { minimum, constraints }) })
 }
 
 /// The robust objective.
@@ -135,13 +143,15 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
         true => {
             let (start, located) = locate(data, &guided, run)?;
             let located = beside_mask(data, &guided, located, run)?;
-            let bent = arcs::bend(data, located, run)?;
-            match rims::without_rim(data, &guided, &bent, run)? {
-                Some(located) => (start, arcs::bend(data, located, run)?),
-                None => (start, bent),
+            let with_arcs = arcs::fit_with_arcs(data, located, run)?;
+            match rims::without_rim(data, &guided, &with_arcs, run)? {
+                Some(located) => (start, arcs::fit_with_arcs(data, located, run)?),
+                None => (start, with_arcs),
             }
         }
-        false => (guided.start, Located { minimum: guided.minimum.clone(), held: guided.held(data) }),
+        false => {
+            (guided.start, Located { minimum: guided.minimum.clone(), constraints: guided.constraints(data) })
+        }
     })
 }
 
@@ -150,13 +160,13 @@ fn robust(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Resul
 /// than none.
 fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<(Candidate, Located)> {
     let located = located::locate(data, guided, run)?;
-    if run.is_long(data) || !located.held.contradicts_segments(data, &guided.views) {
+    if run.is_long(data) || !located.constraints.contradicts_segments(data, &guided.views) {
         return Ok((guided.start, located));
     }
     match unless_cancelled(without_segments(data, run))? {
         Ok((start, without))
-            if without.held.limbs_located() >= located.held.limbs_located().max(1)
-                && without.minimum.scale() <= CONTRADICTION * located.minimum.scale() =>
+            if without.constraints.limbs_located() >= located.constraints.limbs_located().max(1)
+                && without.minimum.scale() <= SCALE_CONTRADICTION * located.minimum.scale() =>
         {
             Ok((start, without))
         }
@@ -167,13 +177,13 @@ fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<(Candid
 /// A mask that is far too small or too large draws the first fit to its sides, beside which limbs are not believed. Where both
 /// limbs are found about the fit to the points alone, and the points lie on that cylinder as well, these stand.
 fn beside_mask(data: &Data<'_>, guided: &Guided, located: Located, run: &mut Run<'_>) -> Result<Located> {
-    if located.held.limbs_located() == 2 || run.is_long(data) {
+    if located.constraints.limbs_located() == 2 || run.is_long(data) {
         return Ok(located);
     }
     let Some(alone) = guided.without_sides(data, run)? else { return Ok(located) };
     let beside = located::locate(data, &alone, run)?;
     let as_well = beside.minimum.scale() <= AS_WELL * located.minimum.scale();
-    Ok(if as_well && beside.held.limbs_located() == 2 { beside } else { located })
+    Ok(if as_well && beside.constraints.limbs_located() == 2 { beside } else { located })
 }
 
 /// What is located without the given segments.
@@ -185,7 +195,13 @@ fn without_segments(data: &Data<'_>, run: &mut Run<'_>) -> Result<(Candidate, Lo
     Ok((guided.start, located::locate(&data, &guided, run)?))
 }
 
-fn ended(start: Candidate, Located { minimum, held }: Located) -> Fit {
+fn ended(start: Candidate, Located { minimum, constraints }: Located) -> Fit {
     let Minimum { convergence, scales } = minimum;
-    Fit { cylinder: convergence.cylinder, start, convergence: Some(convergence), held, scales: Some(scales) }
+    Fit {
+        cylinder: convergence.cylinder,
+        start,
+        convergence: Some(convergence),
+        constraints,
+        scales: Some(scales),
+    }
 }

@@ -4,9 +4,9 @@
 //! where not. What contradicts the points is not believed: they alone are the last resort. Each view is guided by its own
 //! data; a fit to all of them joins the views.
 
+use super::constraints::{Constraints, ViewConstraints};
 use super::data::{Data, ViewData};
 use super::guides::{Guides, Sides, nearest_to_limbs};
-use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::{EdgeUse, StartKind};
 use super::ranges::moved;
@@ -24,7 +24,7 @@ use crate::start::limbs::from_limbs;
 
 /// A fit contradicts the points when their scale is this many times that of a fit to them alone. The sides of right
 /// masks raise it by up to a quarter, because depth is biased near the limbs; those of an occluder double it at least.
-pub(super) const CONTRADICTION: f64 = 1.5;
+pub(super) const SCALE_CONTRADICTION: f64 = 1.5;
 
 /// The same for segments that a person set: those are believed against more bias.
 pub(super) const GIVEN_CONTRADICTION: f64 = 3.0;
@@ -85,7 +85,9 @@ impl Guided {
             return Ok(None);
         };
         let start = Candidate { cylinder: *self.minimum.cylinder(), ..self.start };
-        let Ok(alone) = (View { data, run }).attempt(Guides::default(), &[start])? else { return Ok(None) };
+        let Ok(alone) = (SingleViewFit { data, run }).attempt(Guides::default(), &[start])? else {
+            return Ok(None);
+        };
         let range = of_data.range_of_points(alone.cylinder());
         let seen = of_data.seen(alone.cylinder());
         let mut guided = alone.guided(Some(range), of_data.noise.limb_of_points);
@@ -97,22 +99,26 @@ impl Guided {
         Ok(Some(guided))
     }
 
-    /// What the first fit was held to.
-    pub fn held(&self, data: &Data<'_>) -> Held {
+    /// The constraints of the first fit.
+    pub fn constraints(&self, data: &Data<'_>) -> Constraints {
         let views = self.views.iter().zip(&data.views);
         let lines = views.map(|(view, of_data)| view.guides.all_growing(of_data.growth_of_mask()));
-        let mut held = hold(data, lines, self.flags);
-        held.settle(&self.minimum.scales);
-        held
+        let mut constraints = constraints_by(data, lines, self.flags);
+        constraints.settle(&self.minimum.scales);
+        constraints
     }
 }
 
-/// The lines of each view, of which the first ones are given segments, as what a cylinder is held to.
-fn hold(data: &Data<'_>, lines: impl Iterator<Item = (usize, List<PixelSegment>)>, flags: Flags) -> Held {
+/// The lines of each view, of which the first ones are given segments, as constraints.
+fn constraints_by(
+    data: &Data<'_>,
+    lines: impl Iterator<Item = (usize, List<PixelSegment>)>,
+    flags: Flags,
+) -> Constraints {
     let view = |(view, (given, lines)): (&ViewData<'_>, (usize, List<PixelSegment>))| {
-        HeldView::new(view, &lines, given, 0)
+        ViewConstraints::new(view, &lines, given, 0)
     };
-    Held {
+    Constraints {
         views: data.views.iter().zip(lines).map(view).collect(),
         flags,
         edge_weight: data.edge_weight,
@@ -122,7 +128,7 @@ fn hold(data: &Data<'_>, lines: impl Iterator<Item = (usize, List<PixelSegment>)
 
 /// The first fit of the robust objective.
 pub(super) fn guide(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>) -> Result<Guided> {
-    let given = Held::as_given(data);
+    let given = Constraints::as_given(data);
     if !candidates.iter().any(|candidate| data.edges_are_finite(&given, &candidate.cylinder)) {
         // No candidate has limbs that the edges could belong to.
         let mut guided = guide(&data.without_edges(), candidates, run)?;
@@ -130,12 +136,12 @@ pub(super) fn guide(data: &Data<'_>, candidates: &[Candidate], run: &mut Run<'_>
         return Ok(guided);
     }
     if let [_] = data.views[..] {
-        return View { data, run }.guide(candidates);
+        return SingleViewFit { data, run }.guide(candidates);
     }
     let mut alone = List::new();
     for view in 0..data.views.len() {
         // A view that determines no cylinder joins the others all the same.
-        let guided = data.only(view).and_then(|data| View { data: &data, run }.guide(candidates));
+        let guided = data.only(view).and_then(|data| SingleViewFit { data: &data, run }.guide(candidates));
         alone.push(unless_cancelled(guided)?.ok());
     }
     join(data, candidates, alone, given.flags, run)
@@ -147,7 +153,7 @@ pub(super) fn reason_without_limbs(data: &Data<'_>, candidates: &[Candidate]) ->
     if inside { Flags::CAMERA_INSIDE } else { Flags::EDGES_BEHIND }
 }
 
-/// The fit to all views, each held to the guides that it found for itself.
+/// The fit to all views, each constrained by the guides that it found for itself.
 fn join(
     data: &Data<'_>,
     candidates: &[Candidate],
@@ -164,14 +170,14 @@ fn join(
             None => Guides::given(&view.edges.segments),
         })
         .collect();
-    let held = hold(data, guides.iter().map(Guides::all), flags);
+    let constraints = constraints_by(data, guides.iter().map(Guides::all), flags);
     // Every view starts from its own best; the lowest of the minima is that of all.
     let mut best: Option<(Candidate, Minimum)> = None;
     let mut failure = None;
     let onward = |guided: &Guided| Candidate { cylinder: *guided.minimum.cylinder(), ..guided.start };
     let starts = alone.iter().flatten().map(onward).chain(candidates.first().copied());
     for start in starts {
-        match unless_cancelled(data.best_minimum(&held, &[start], Precision::Rough, run))? {
+        match unless_cancelled(data.best_minimum(&constraints, &[start], Precision::Rough, run))? {
             Ok(found) => {
                 let cost = |found: &(Candidate, Minimum)| found.1.scale();
                 if best.as_ref().is_none_or(|best| cost(&found) < cost(best)) {
@@ -206,7 +212,7 @@ fn join(
     Ok(Guided { start, minimum, views: views.collect(), flags })
 }
 
-/// A minimum and the guides that it is held to.
+/// A minimum and the guides that constrain it.
 struct Attempt {
     start: Candidate,
     minimum: Minimum,
@@ -235,12 +241,12 @@ impl Attempt {
 }
 
 /// Data of a single view, and the fit under way.
-struct View<'d, 'a, 'r, 'b> {
+struct SingleViewFit<'d, 'a, 'r, 'b> {
     data: &'d Data<'a>,
     run: &'r mut Run<'b>,
 }
 
-impl<'a> View<'_, 'a, '_, '_> {
+impl<'a> SingleViewFit<'_, 'a, '_, '_> {
     fn view(&self) -> &ViewData<'a> {
         &self.data.views[0]
     }
@@ -283,7 +289,7 @@ impl<'a> View<'_, 'a, '_, '_> {
 
     /// With a mask: the given segments if its sides agree with them, else segments and sides together, else the segments
     /// alone, else what single lines the points admit.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn by_mask(
         &mut self,
         camera: &Camera,
@@ -335,7 +341,7 @@ impl<'a> View<'_, 'a, '_, '_> {
             joined = Some((fit, sides));
         }
         if let Some((fit, sides)) = joined
-            && fit.scale() <= CONTRADICTION * alone.scale()
+            && fit.scale() <= SCALE_CONTRADICTION * alone.scale()
         {
             let pixels = sides.pixels(camera).into_iter();
             let range = axial_range(camera, &view.seen(fit.cylinder()), pixels, 0.0);
@@ -356,7 +362,7 @@ impl<'a> View<'_, 'a, '_, '_> {
     }
 
     /// Without a mask: the given segments if the points admit them, else a single one.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn by_segments(
         &mut self,
         camera: &Camera,
@@ -372,7 +378,7 @@ impl<'a> View<'_, 'a, '_, '_> {
         }
         if let Ok(fit) = first {
             let limit = fit.scale() / GIVEN_CONTRADICTION;
-            if self.few_admit(&fit, limit, candidates)? || self.all_admit(&fit, limit, candidates)? {
+            if self.subsample_admits(&fit, limit, candidates)? || self.all_admit(&fit, limit, candidates)? {
                 let range = self.view().range_of_given(camera, fit.cylinder());
                 return Ok(fit.guided(range, noise.limb_of_segments()));
             }
@@ -383,7 +389,7 @@ impl<'a> View<'_, 'a, '_, '_> {
 
     /// Of the fits to single lines the one that the points contradict least, or the one to the points alone if they
     /// contradict all.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn by_one(
         &mut self,
         camera: &Camera,
@@ -406,15 +412,15 @@ impl<'a> View<'_, 'a, '_, '_> {
                 best = Some(fit);
             }
         }
-        let fit = best.filter(|best| best.scale() <= CONTRADICTION * alone.scale()).unwrap_or(alone);
+        let fit = best.filter(|best| best.scale() <= SCALE_CONTRADICTION * alone.scale()).unwrap_or(alone);
         let range = self.view().range_of_points(fit.cylinder());
         Ok(fit.guided(Some(range), self.view().noise.limb_of_points))
     }
 
     /// Holds the limbs to guides and minimises from the first good candidate. The outer error is a cancelled fit.
     fn attempt(&mut self, guides: Guides, candidates: &[Candidate]) -> Result<Result<Attempt>> {
-        let held = hold(self.data, std::iter::once(guides.all()), Flags::empty());
-        let best = self.data.best_minimum(&held, candidates, Precision::Rough, self.run);
+        let constraints = constraints_by(self.data, std::iter::once(guides.all()), Flags::empty());
+        let best = self.data.best_minimum(&constraints, candidates, Precision::Rough, self.run);
         Ok(unless_cancelled(best)?.map(|(start, minimum)| Attempt { start, minimum, guides }))
     }
 
@@ -439,8 +445,8 @@ impl<'a> View<'_, 'a, '_, '_> {
         Ok(!elsewhere && !self.starts_are_better(limit, candidates))
     }
 
-    /// The same by a few of many points. False where they leave doubt, or have no minimum of their own.
-    fn few_admit(&mut self, fit: &Attempt, limit: f64, candidates: &[Candidate]) -> Result<bool> {
+    /// The same by a subsample of many points. False where they leave doubt, or have no minimum of their own.
+    fn subsample_admits(&mut self, fit: &Attempt, limit: f64, candidates: &[Candidate]) -> Result<bool> {
         if self.data.count() < MANY * SAMPLE {
             return Ok(false);
         }
@@ -450,9 +456,9 @@ impl<'a> View<'_, 'a, '_, '_> {
         };
         // Their solves take next to no time: the bound on those of all points does not count them.
         let solves = self.run.solves;
-        let mut few = View { data: &data, run: self.run };
-        let beside = few.attempt(Guides::default(), &[fit.onward()]);
-        let better = few.starts_are_better(CLEAR_FACTOR * limit, candidates);
+        let mut subsample = SingleViewFit { data: &data, run: self.run };
+        let beside = subsample.attempt(Guides::default(), &[fit.onward()]);
+        let better = subsample.starts_are_better(CLEAR_FACTOR * limit, candidates);
         self.run.solves = solves;
         Ok(beside?.is_ok_and(|beside| beside.scale() >= CLEAR_FACTOR * limit) && !better)
     }
@@ -473,17 +479,17 @@ impl<'a> View<'_, 'a, '_, '_> {
     fn points_contradict(&mut self, fit: &Attempt, candidates: &[Candidate]) -> Result<bool> {
         let Ok(alone) = unless_cancelled(self.alone(candidates))? else { return Ok(false) };
         let [a, b] = [fit, &alone].map(|fit| fit.cylinder().radius);
-        if fit.scale() > CONTRADICTION * alone.scale() {
+        if fit.scale() > SCALE_CONTRADICTION * alone.scale() {
             return Ok(true);
         }
         if a.max(b) <= RADIUS_CONTRADICTION * a.min(b) {
             return Ok(false);
         }
-        let held = hold(self.data, std::iter::once(alone.guides.all()), Flags::empty());
+        let constraints = constraints_by(self.data, std::iter::once(alone.guides.all()), Flags::empty());
         let (cylinder, scales) = (alone.cylinder(), &alone.minimum.scales);
-        let objective = self.data.objective(&held, cylinder, scales);
+        let objective = self.data.objective(&constraints, cylinder, scales);
         let (uncertainty, ..) = self.data.uncertainty(
-            &held,
+            &constraints,
             &self.data.frame(&self.data.canonical(cylinder)),
             scales,
             &objective,

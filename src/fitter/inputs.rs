@@ -84,7 +84,7 @@ impl Fitter {
         &self.views
     }
 
-    /// The selected view, to change it: what the last fit held the cylinder to is another matter then.
+    /// The selected view, to change it: the constraints of the last fit are another matter then.
     fn view_mut(&mut self) -> &mut View {
         self.made_with = None;
         let view = &mut self.views[self.selected];
@@ -288,7 +288,7 @@ impl Fitter {
         self.view().mask.as_ref()
     }
 
-    /// Puts a mask in place of that of the selected view, and gives that back. What the last fit was held to stays: this is
+    /// Puts a mask in place of that of the selected view, and gives that back. The constraints of the last fit stay: this is
     /// for taking the same mask away and back.
     pub(crate) fn swap_mask(&mut self, mask: Option<Mask>) -> Option<Mask> {
         std::mem::replace(&mut self.views[self.selected].mask, mask)

@@ -1,9 +1,9 @@
 //! Third stage: the limbs, located in the images.
 
+use super::constraints::{Constraints, ViewConstraints};
 use super::data::{Data, ViewData};
-use super::guided::{CONTRADICTION, Guided, GuidedView};
+use super::guided::{Guided, GuidedView, SCALE_CONTRADICTION};
 use super::guides::BESIDE;
-use super::held::{Held, HeldView};
 use super::objective::{Minimum, Precision};
 use super::options::EdgeUse;
 use super::outlier;
@@ -36,10 +36,10 @@ const SHIFTED: f64 = 0.5;
 /// median sine of a half.
 const LEFT_OF_SHIFT: f64 = 0.5 * DEVIATION_OF_MEDIAN;
 
-/// A minimum and what it is held to.
+/// A minimum and its constraints.
 pub(super) struct Located {
     pub minimum: Minimum,
-    pub held: Held,
+    pub constraints: Constraints,
 }
 
 /// By limb: the line that the image of a view shows.
@@ -49,7 +49,7 @@ pub(super) type Lines = [Option<PixelSegment>; 2];
 pub(super) type Observations = List<Option<SeenLimbs>>;
 
 /// Locates the limbs near those of the first fit and fits again with them. A limb that is not seen, or that contradicts
-/// the points, is left to what the first fit held it to.
+/// the points, is left to the constraints of the first fit.
 pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Result<Located> {
     let mut observations = observe(data, guided, guided.minimum.cylinder(), |view| view.deviation, run)?;
     let mut lines = lines_of(data, &observations);
@@ -91,15 +91,18 @@ pub(super) fn locate(data: &Data<'_>, guided: &Guided, run: &mut Run<'_>) -> Res
     }
     let mut located = fit.unwrap_or_else(|| {
         let none = List::filled([None, None], lines.len());
-        Located { minimum: guided.minimum.clone(), held: held(data, &guided.views, guided.flags, &none) }
+        Located {
+            minimum: guided.minimum.clone(),
+            constraints: constraints(data, &guided.views, guided.flags, &none),
+        }
     });
-    if located.held.limbs_located() == 2
+    if located.constraints.limbs_located() == 2
         && data.loosen(&mut lines, &observations, located.minimum.cylinder(), &located.minimum.scales)
     {
-        located.held = held(data, &guided.views, guided.flags, &lines);
+        located.constraints = constraints(data, &guided.views, guided.flags, &lines);
     }
-    located.held.keep(observations);
-    located.held.settle(&located.minimum.scales);
+    located.constraints.keep(observations);
+    located.constraints.settle(&located.minimum.scales);
     Ok(located)
 }
 
@@ -226,17 +229,22 @@ pub(super) fn fit_to(
     shift: impl FnOnce() -> f64,
     run: &mut Run<'_>,
 ) -> Result<Option<Located>> {
-    let held = held(data, &guided.views, guided.flags, lines);
-    let minimum = data.minimise_again(&held, &guided.minimum, Precision::Rough, run);
+    let constraints = constraints(data, &guided.views, guided.flags, lines);
+    let minimum = data.minimise_again(&constraints, &guided.minimum, Precision::Rough, run);
     let Ok(minimum) = unless_cancelled(minimum)? else { return Ok(None) };
     let bent = BENT * data.largest_bend(&guided.minimum);
-    let limit = CONTRADICTION * guided.minimum.scale().hypot(bent);
+    let limit = SCALE_CONTRADICTION * guided.minimum.scale().hypot(bent);
     let agrees = minimum.scale() <= limit || minimum.scale() <= limit.hypot(shift());
-    Ok(agrees.then_some(Located { minimum, held }))
+    Ok(agrees.then_some(Located { minimum, constraints }))
 }
 
-/// What a fit is held to: the located limbs with the given segments that agree with them, and the guides of the others.
-pub(super) fn held(data: &Data<'_>, guided: &[GuidedView], flags: Flags, lines: &[Lines]) -> Held {
+/// The constraints of a fit: the located limbs with the given segments that agree with them, and the guides of the others.
+pub(super) fn constraints(
+    data: &Data<'_>,
+    guided: &[GuidedView],
+    flags: Flags,
+    lines: &[Lines],
+) -> Constraints {
     let views = data.views.iter().zip(guided).zip(lines).map(|((view, guided), lines)| {
         let guides = &guided.guides;
         let (mut all, mut given) = (List::new(), 0);
@@ -259,17 +267,17 @@ pub(super) fn held(data: &Data<'_>, guided: &[GuidedView], flags: Flags, lines: 
                 }
             }
         }
-        HeldView::new(view, &all, given, lines.iter().flatten().count())
+        ViewConstraints::new(view, &all, given, lines.iter().flatten().count())
     });
-    Held { views: views.collect(), flags, edge_weight: 0.0, settled: false }
+    Constraints { views: views.collect(), flags, edge_weight: 0.0, settled: false }
 }
 
-impl Held {
+impl Constraints {
     /// Keeps what the images show of the limbs.
     pub fn keep(&mut self, observations: Observations) {
-        for (held, seen) in self.views.iter_mut().zip(observations) {
+        for (constraints, seen) in self.views.iter_mut().zip(observations) {
             let (limbs, appearance) = seen.map(|seen| (seen.limbs, seen.appearance)).unzip();
-            (held.limbs, held.appearance) = (limbs, appearance.flatten());
+            (constraints.limbs, constraints.appearance) = (limbs, appearance.flatten());
         }
     }
 
@@ -284,13 +292,13 @@ impl Held {
             && data.views.iter().any(pushed)
             && (!believed
                 || in_vain
-                || of_views.any(|((view, guided), held)| contradicts(view, guided, held)))
+                || of_views.any(|((view, guided), constraints)| contradicts(view, guided, constraints)))
     }
 }
 
 /// Whether a located line lies beside a given segment of its limb, however uncertain the mask made that.
-fn contradicts(view: &ViewData<'_>, guided: &GuidedView, held: &HeldView) -> bool {
-    let Some(limbs) = &held.limbs else { return false };
+fn contradicts(view: &ViewData<'_>, guided: &GuidedView, constraints: &ViewConstraints) -> bool {
+    let Some(limbs) = &constraints.limbs else { return false };
     let lines = lines_of_view(view, limbs);
     guided.guides.given.iter().any(|segment| {
         let line = segment.limb.and_then(|limb| lines[limb].as_ref());

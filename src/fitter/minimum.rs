@@ -1,7 +1,7 @@
 //! Which minimum is the right one: the candidates for the start one by one, and the near-wall rule.
 
+use super::constraints::Constraints;
 use super::data::Data;
-use super::held::Held;
 use super::objective::{Minimum, Precision};
 use super::run::Run;
 use super::start::Candidate;
@@ -17,7 +17,7 @@ impl Data<'_> {
     /// does not run away and the points lie on the visible wall; the next one is tried only when it is not.
     pub fn best_minimum(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         candidates: &[Candidate],
         precision: Precision,
         run: &mut Run<'_>,
@@ -25,7 +25,12 @@ impl Data<'_> {
         let mut hidden: Option<(Candidate, Minimum)> = None;
         let mut failure = None;
         for candidate in candidates {
-            match unless_cancelled(self.minimum_on_visible_wall(held, &candidate.cylinder, precision, run))? {
+            match unless_cancelled(self.minimum_on_visible_wall(
+                constraints,
+                &candidate.cylinder,
+                precision,
+                run,
+            ))? {
                 Ok((minimum, true)) => return Ok((*candidate, minimum)),
                 Ok((minimum, false)) => {
                     let cost = |minimum: &Minimum| minimum.convergence.cost;
@@ -46,14 +51,14 @@ impl Data<'_> {
     /// at a slant with half of them there.
     fn minimum_on_visible_wall(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         start: &Cylinder,
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<(Minimum, bool)> {
         let near_wall = self.near_wall();
         let mut solve = |start: &Cylinder| -> Result<(Minimum, f64)> {
-            let minimum = self.minimise(held, start, precision, run)?;
+            let minimum = self.minimise(constraints, start, precision, run)?;
             self.check_radius(minimum.cylinder())?;
             let fraction =
                 if near_wall { self.walls_and_energy(minimum.cylinder()).0.fraction() } else { 1.0 };

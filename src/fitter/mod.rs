@@ -9,20 +9,19 @@ mod background;
 mod batch;
 mod body;
 mod conformity;
+mod constraints;
 mod continued;
 mod correlation;
 mod data;
 mod describe;
 mod edges;
-mod few;
 mod fit;
 mod guided;
 mod guides;
-mod held;
 mod inputs;
+mod lack_of_fit;
 mod located;
 mod minimum;
-mod misfit;
 mod objective;
 mod options;
 mod other_body;
@@ -39,6 +38,7 @@ mod scales;
 mod selection;
 mod silhouette;
 mod start;
+mod subsample;
 mod taper;
 mod two_planes;
 mod uncertainty;
@@ -76,15 +76,15 @@ use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
 use crate::memory::{List, Memory, is_there};
+use constraints::Constraints;
 use continued::Last;
 use data::Data;
-use held::Held;
 use run::Run;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
-/// random samples, or places, cells and residuals for the correlation.
+/// random samples, or positions, cells and residuals for the correlation.
 const BYTES_OF_FIT: usize = 96;
 
 /// The same for a diagnosis: rows of six numbers, gathered, stacked, and factorised in place of a copy.
@@ -119,8 +119,8 @@ pub struct Fitter {
 /// What a fit was made with.
 #[derive(Debug, Clone)]
 struct MadeWith {
-    /// What it held the cylinder to.
-    held: Held,
+    /// The constraints of the cylinder beside the points.
+    constraints: Constraints,
     /// By view: what was fitted of it, where its mask holds more than the body.
     bodies: List<Option<View>>,
 }
@@ -186,17 +186,19 @@ impl Fitter {
         self.limbs_of(self.selected)
     }
 
-    /// The same for any view.
+    /// What the last fit saw of the two limbs in the image of a view, as [`Fitter::limbs`] gives it of the selected one.
     #[must_use]
     pub fn limbs_of(&self, view: usize) -> Option<&[LimbObservation; 2]> {
-        self.made_with.as_ref()?.held.view(view)?.limbs.as_ref()
+        self.made_with.as_ref()?.constraints.view(view)?.limbs.as_ref()
     }
 
     /// Whether the last fit knows the limbs in a view to a fraction of a pixel: one was located in its image.
     #[must_use]
     pub fn limbs_known(&self, view: usize) -> bool {
         let made_with = self.made_with.as_ref();
-        made_with.and_then(|made_with| made_with.held.view(view)).is_some_and(|held| held.located > 0)
+        made_with
+            .and_then(|made_with| made_with.constraints.view(view))
+            .is_some_and(|constraints| constraints.located > 0)
     }
 
     /// Estimates the cylinder.
@@ -209,8 +211,8 @@ impl Fitter {
         self.fit_with(&mut |_| ControlFlow::Continue(()))
     }
 
-    /// The same; `report` is called before every iteration, and with the last one again while a start is searched and limbs and
-    /// ends are located, and may stop the fit.
+    /// Estimates the cylinder, as [`Fitter::fit`] does. `report` is called before every iteration, and with the last one again
+    /// while a start is searched and limbs and ends are located, and may stop the fit.
     ///
     /// # Errors
     /// Those of [`Fitter::fit`], and `Cancelled`. The last result stays then.
@@ -265,7 +267,7 @@ impl Fitter {
 
     /// The fit of the views, of which those without a mask have that of their points. `None` where there are none, and where the fit is poor,
     /// as the points may be anything, or locates no limb: then their outline alone would tell the radius.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_by_outline(&self, run: &mut Run<'_>, clock: &Instant) -> Result<Option<Fitted>> {
         let masked = self.with_masks_of_points();
         if masked.is_empty() {
@@ -278,7 +280,7 @@ impl Fitter {
     }
 
     /// The fits after a first one, to sides that are drawn about the one before; `masked` are views with a mask of their points.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_to_drawn(
         &self,
         mut fit: Fitted,
@@ -340,14 +342,14 @@ impl Fitter {
         // Of very many points a description takes as long as several steps.
         run.check()?;
         let mut result =
-            describe::describe(&data, &fit.held, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
+            describe::describe(&data, &fit.constraints, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
         if let Some(convergence) = &fit.convergence {
             result.add_convergence(convergence);
             result.seconds.start = started - began;
             result.seconds.solve = ended - started;
         }
         let last = Last::new(&fit);
-        Ok((MadeWith { held: fit.held, bodies }, result, last))
+        Ok((MadeWith { constraints: fit.constraints, bodies }, result, last))
     }
 
     /// What the last fit left, where the next one is to go on from it.
@@ -415,8 +417,10 @@ impl Fitter {
         self.views.iter().enumerate().map(move |(index, view)| other(index).unwrap_or(view))
     }
 
-    /// What the last fit held the cylinder to, or the given segments.
-    fn held(&self, data: &Data<'_>) -> Held {
-        self.made_with.as_ref().map_or_else(|| Held::as_given(data), |made_with| made_with.held.clone())
+    /// The constraints of the last fit, or the given segments.
+    fn constraints(&self, data: &Data<'_>) -> Constraints {
+        self.made_with
+            .as_ref()
+            .map_or_else(|| Constraints::as_given(data), |made_with| made_with.constraints.clone())
     }
 }

@@ -1,7 +1,7 @@
 //! From a start to the minimum of the chosen objective.
 
+use super::constraints::{Constraints, ViewConstraints};
 use super::data::{Data, ViewData};
-use super::held::{Held, HeldView};
 use super::options::ChartChoice;
 use super::run::Run;
 use super::scales::Scales;
@@ -93,60 +93,76 @@ impl Data<'_> {
     /// Iterates from a start. The near-wall rule is not applied.
     pub fn minimise(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         start: &Cylinder,
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
         match self.is_paper() {
-            true => self.minimise_paper(held, start, run),
-            false => {
-                self.minimise_robust(held, start, self.scales(start), [Precision::Rough, precision], run)
-            }
+            true => self.minimise_paper(constraints, start, run),
+            false => self.minimise_robust(
+                constraints,
+                start,
+                self.scales(start),
+                [Precision::Rough, precision],
+                run,
+            ),
         }
     }
 
     /// Iterates on from a minimum, with something else to hold to.
     pub fn minimise_again(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         before: &Minimum,
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        let mut after = self.minimise_near(held, before.cylinder(), before.scales.clone(), precision, run)?;
+        let mut after =
+            self.minimise_near(constraints, before.cylinder(), before.scales.clone(), precision, run)?;
         after.convergence.add_work_of(&before.convergence);
         Ok(after)
     }
 
     /// Ends, with all points, what a part of them has begun.
-    pub fn minimise_with_all(&self, held: &Held, of_few: &Minimum, run: &mut Run<'_>) -> Result<Minimum> {
-        let scales = self.scales_near(of_few.cylinder(), Some(&of_few.scales));
+    pub fn minimise_with_all(
+        &self,
+        constraints: &Constraints,
+        of_subsample: &Minimum,
+        run: &mut Run<'_>,
+    ) -> Result<Minimum> {
+        let scales = self.scales_near(of_subsample.cylinder(), Some(&of_subsample.scales));
         let precisions = [Precision::Near, Precision::Full];
-        let mut minimum = self.minimise_robust(held, of_few.cylinder(), scales, precisions, run)?;
+        let mut minimum =
+            self.minimise_robust(constraints, of_subsample.cylinder(), scales, precisions, run)?;
         self.check_radius(minimum.cylinder())?;
-        minimum.convergence.add_work_of(&of_few.convergence);
+        minimum.convergence.add_work_of(&of_subsample.convergence);
         Ok(minimum)
     }
 
     /// Iterates with the robust objective from a cylinder whose scales are about known.
     pub fn minimise_near(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         start: &Cylinder,
         scales: Scales,
         precision: Precision,
         run: &mut Run<'_>,
     ) -> Result<Minimum> {
-        let minimum = self.minimise_robust(held, start, scales, [Precision::Rough, precision], run)?;
+        let minimum = self.minimise_robust(constraints, start, scales, [Precision::Rough, precision], run)?;
         self.check_radius(minimum.cylinder())?;
         Ok(minimum)
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
-    fn minimise_paper(&self, held: &Held, start: &Cylinder, run: &mut Run<'_>) -> Result<Minimum> {
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
+    fn minimise_paper(
+        &self,
+        constraints: &Constraints,
+        start: &Cylinder,
+        run: &mut Run<'_>,
+    ) -> Result<Minimum> {
         // The numbers of independent points matter for the covariance only.
-        let objective = self.paper_objective(held, start, None);
+        let objective = self.paper_objective(constraints, start, None);
         let limits = self.limits([Precision::Full; 2], None, run);
         let mut convergence = self.iterate(self.chart(start), &objective, start, &limits, run)?;
         if convergence.termination == Termination::MaxIterations {
@@ -155,7 +171,7 @@ impl Data<'_> {
             let bottom = self.iterate(Chart::Local, &objective, &convergence.cylinder, &limits, run)?;
             self.check_radius(&bottom.cylinder)?;
         }
-        if held.edge_weight == 1.0 {
+        if constraints.edge_weight == 1.0 {
             // Every scale costs the same: that of the start, or the nearest with a radius that is allowed.
             let Cylinder { radius, axis } = &mut convergence.cylinder;
             let drift = start.distance_of_axis_from_origin() / axis.nearest_to_origin().norm();
@@ -173,7 +189,7 @@ impl Data<'_> {
     /// first precision is enough.
     fn minimise_robust(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         start: &Cylinder,
         mut scales: Scales,
         [first, precision]: [Precision; 2],
@@ -185,7 +201,8 @@ impl Data<'_> {
         let mut counted = None;
         let memory = List::filled(Cell::new(None), self.views.len());
         for _ in 0..SCALE_ROUNDS {
-            let objective = self.robust_objective(held, &cylinder, &scales.views, Purpose::Minimum(&memory));
+            let objective =
+                self.robust_objective(constraints, &cylinder, &scales.views, Purpose::Minimum(&memory));
             let limits = self.limits([current, precision], total.as_ref(), run);
             let mut round = self.iterate(self.chart(&cylinder), &objective, &cylinder, &limits, run)?;
             if let Some(before) = &total {
@@ -216,8 +233,13 @@ impl Data<'_> {
         Ok(Minimum { convergence, scales })
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
-    fn paper_objective(&self, held: &Held, start: &Cylinder, scales: Option<&Scales>) -> Sum<'_> {
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
+    fn paper_objective(
+        &self,
+        constraints: &Constraints,
+        start: &Cylinder,
+        scales: Option<&Scales>,
+    ) -> Sum<'_> {
         let independent = |k: usize| scales.map_or(1.0, |scales| scales.views[k].independent_points);
         let points: ByView<_> = (self.views.iter().enumerate())
             .filter(|(_, view)| view.points.count() > 0)
@@ -226,39 +248,40 @@ impl Data<'_> {
         let limbs: ByView<_> = self
             .views
             .iter()
-            .zip(held.limb_terms(self))
+            .zip(constraints.limb_terms(self))
             .filter_map(|(view, term)| {
                 let held_at = |distance| term.map(|term| term.held_at(distance));
-                let term = match held.edge_weight == 1.0 {
+                let term = match constraints.edge_weight == 1.0 {
                     true => held_at(view.seen(start).distance_of_axis_from_origin()),
                     false => term,
                 };
                 Some((term?, view.into_view))
             })
             .collect();
-        paper_objective(&points, &limbs, held.edge_weight)
+        paper_objective(&points, &limbs, constraints.edge_weight)
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn robust_objective<'a>(
         &'a self,
-        held: &'a Held,
+        constraints: &'a Constraints,
         cylinder: &Cylinder,
         scales: &[RobustScales],
         purpose: Purpose<'a>,
     ) -> Sum<'a> {
-        let contested = held.settled && held.has_lines();
+        let contested = constraints.settled && constraints.has_lines();
         let shared_matter = contested || matches!(purpose, Purpose::Covariance);
         let frame = self.frame(cylinder);
         let views: ByView<RobustView<'a>> = self
             .views
             .iter()
-            .zip(&held.views)
+            .zip(&constraints.views)
             .zip(scales)
             .enumerate()
-            .map(|(k, ((view, held), scales))| {
+            .map(|(k, ((view, constraints), scales))| {
                 let near = frame.moved(&view.into_view);
-                let shared = shared_matter.then(|| self.shared_errors(view, held, &near, scales)).flatten();
+                let shared =
+                    shared_matter.then(|| self.shared_errors(view, constraints, &near, scales)).flatten();
                 RobustView {
                     into_view: view.into_view,
                     points: view.points,
@@ -270,8 +293,8 @@ impl Data<'_> {
                     },
                     near,
                     scales: *scales,
-                    lines: held.lines.as_ref(),
-                    arcs: &held.arcs,
+                    lines: constraints.lines.as_ref(),
+                    arcs: &constraints.arcs,
                     endpoint: view.noise.endpoint,
                 }
             })
@@ -283,7 +306,7 @@ impl Data<'_> {
     pub fn shared_errors(
         &self,
         view: &ViewData<'_>,
-        held: &HeldView,
+        constraints: &ViewConstraints,
         near: &LocalFrame,
         scales: &RobustScales,
     ) -> Option<SharedErrors> {
@@ -291,7 +314,7 @@ impl Data<'_> {
             return None;
         }
         // Lines that contest them raise the scale.
-        let scale = held.point_scale.map_or(scales.point, |alone| alone.min(scales.point));
+        let scale = constraints.point_scale.map_or(scales.point, |alone| alone.min(scales.point));
         let size = self.shared_size(view, scale).filter(|&size| size > 0.0)?;
         let distance = view.into_view.point(&self.center).norm();
         Some(SharedErrors::of_offset(size, distance, self.unit))
@@ -311,25 +334,30 @@ impl Data<'_> {
     }
 
     /// The objective at a cylinder and its scales, with all that its covariance takes.
-    pub fn objective<'a>(&'a self, held: &'a Held, cylinder: &Cylinder, scales: &Scales) -> Sum<'a> {
+    pub fn objective<'a>(
+        &'a self,
+        constraints: &'a Constraints,
+        cylinder: &Cylinder,
+        scales: &Scales,
+    ) -> Sum<'a> {
         match self.is_paper() {
-            true => self.paper_objective(held, cylinder, Some(scales)),
-            false => self.robust_objective(held, cylinder, &scales.views, Purpose::Covariance),
+            true => self.paper_objective(constraints, cylinder, Some(scales)),
+            false => self.robust_objective(constraints, cylinder, &scales.views, Purpose::Covariance),
         }
     }
 
     /// The rows Ω^½ e, Ω^½ J at a cylinder in the frame of the data.
-    pub fn rows(&self, held: &Held, cylinder: &Cylinder) -> Option<Vec<(f64, Tangent)>> {
-        self.objective(held, cylinder, &self.scales(cylinder)).rows(&self.frame(cylinder))
+    pub fn rows(&self, constraints: &Constraints, cylinder: &Cylinder) -> Option<Vec<(f64, Tangent)>> {
+        self.objective(constraints, cylinder, &self.scales(cylinder)).rows(&self.frame(cylinder))
     }
 
     /// Whether the edges have a finite cost at a cylinder. The points always have.
-    pub fn edges_are_finite(&self, held: &Held, cylinder: &Cylinder) -> bool {
+    pub fn edges_are_finite(&self, constraints: &Constraints, cylinder: &Cylinder) -> bool {
         let frame = self.frame(cylinder);
-        let limbs = held.limb_terms(self);
-        (self.views.iter().zip(&held.views).zip(limbs)).all(|((view, held), limbs)| {
+        let limbs = constraints.limb_terms(self);
+        (self.views.iter().zip(&constraints.views).zip(limbs)).all(|((view, constraints), limbs)| {
             let frame = frame.moved(&view.into_view);
-            match (self.is_paper(), limbs, &held.lines) {
+            match (self.is_paper(), limbs, &constraints.lines) {
                 (true, Some(limbs), _) => limbs.cost(&frame).is_some(),
                 (false, _, Some(lines)) => lines.pixel_rows(&frame).is_some(),
                 _ => true,

@@ -10,7 +10,7 @@ use crate::memory::List;
 use crate::observations::spread;
 use crate::residuals::TUKEY_EFFICIENT;
 use crate::start::ransac::below;
-use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_size, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_absolute, median_absolute};
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -37,13 +37,13 @@ constants! {
 
 /// A fit without the points of planes that touch its cylinder or cross it, what is left of its points, and all planes about it.
 ///
-/// Of a fit `surface` gives the cylinder and how far points scatter about it, `around` some of all points near it; `place` is where one
+/// Of a fit `surface` gives the cylinder and how far points scatter about it, `around` some of all points near it; `point_of` is where one
 /// of its own points lies. `refit` makes a fit to fewer of them, or `None` where they lie on a cylinder worse than those of the fit
 /// before.
 pub(crate) fn off_planes<Fit, Number: Copy + Send + 'static>(
     (mut fit, mut points): (Fit, List<Number>),
     surface: impl Fn(&Fit) -> (Cylinder, f64),
-    place: impl Fn(Number) -> Vector3<f64>,
+    point_of: impl Fn(Number) -> Vector3<f64>,
     around: impl Fn(&Fit) -> List<Vector3<f64>>,
     mut refit: impl FnMut(&Fit, &[Number]) -> Result<Option<Fit>>,
 ) -> Result<(Fit, List<Number>, List<PlaneBeside>)> {
@@ -55,8 +55,8 @@ pub(crate) fn off_planes<Fit, Number: Copy + Send + 'static>(
         beyond.retain(|point| !is_on(point) && !planes.iter().any(|plane| plane.holds(point)));
         let Some(plane) = PlaneBeside::among(&beyond, ALIKE.get() * scale) else { break };
         let is_on_both = |point: Vector3<f64>| is_on(&point) && plane.holds(&point);
-        if points.iter().any(|&number| is_on_both(place(number))) {
-            let is_beside = |&number: &Number| !plane.holds(&place(number));
+        if points.iter().any(|&number| is_on_both(point_of(number))) {
+            let is_beside = |&number: &Number| !plane.holds(&point_of(number));
             let rest: List<Number> = points.iter().copied().filter(is_beside).collect();
             let Some(again) = refit(&fit, &rest)? else { break };
             (fit, points) = (again, rest);
@@ -82,7 +82,8 @@ impl PlaneBeside {
         let rng = &mut ChaCha8Rng::seed_from_u64(0);
         let some: List<Vector3<f64>> =
             spread(points.len(), SCORED).iter().map(|&index| points[index]).collect();
-        let quartile = |plane: &Plane| lower_quartile_size(some.iter().map(|point| plane.distance(point)));
+        let quartile =
+            |plane: &Plane| lower_quartile_absolute(some.iter().map(|point| plane.distance(point)));
         let sample = |_| Plane::through([0; 3].map(|_| some[below(rng, some.len())]));
         let scored = (0..SAMPLES).filter_map(sample).map(|plane| (quartile(&plane), plane));
         let (quartile, plane) = scored.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -93,7 +94,7 @@ impl PlaneBeside {
             found.scale = found.scale.max(ROUNDING * size);
             let own: List<Vector3<f64>> = points.iter().filter(|point| found.holds(point)).copied().collect();
             let plane = Plane::nearest(own.iter())?;
-            let scale = median_size(own.iter().map(|point| plane.distance(point)));
+            let scale = median_absolute(own.iter().map(|point| plane.distance(point)));
             found = Self { plane, scale: DEVIATION_OF_MEDIAN * scale };
         }
         let own = points.iter().filter(|point| found.holds(point)).count();
@@ -102,7 +103,7 @@ impl PlaneBeside {
 
     /// How far points are from it in the median.
     pub fn median_distance(&self, points: impl Iterator<Item = Vector3<f64>>) -> f64 {
-        median_size(points.map(|point| self.plane.distance(&point)))
+        median_absolute(points.map(|point| self.plane.distance(&point)))
     }
 
     /// Whether a point lies on the plane.

@@ -10,7 +10,7 @@ use super::view::View;
 use super::{FitResult, Fitted, Fitter, Flags, StartKind};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::memory::List;
-use crate::observations::{ENOUGH, spread};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, spread};
 use nalgebra::Vector3;
 use std::time::Instant;
 
@@ -33,7 +33,7 @@ const LEAST_ON: f64 = 0.25;
 
 impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them, or where that failed.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn fit_to_body(
         &self,
         first: Result<Fitted>,
@@ -56,7 +56,7 @@ impl Fitter {
             }
             (Err(error), _) => return Err(error),
         };
-        if is_told || first.0.held.has_lines() || first.1.points_used < FEWEST {
+        if is_told || first.0.constraints.has_lines() || first.1.points_used < FEWEST {
             return Ok(first);
         }
         match searched {
@@ -68,7 +68,7 @@ impl Fitter {
     }
 
     /// The same for points of a view that may lie on several surfaces; `None` where neither a first fit nor a body is there.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_among_surfaces(
         &self,
         view: &View,
@@ -100,7 +100,7 @@ impl Fitter {
         // Most of the points that are on no plane are not on the cylinder either.
         let on_body = weight(view, points.iter().copied());
         let is_little = is_chosen && (on_body < 0.5 * (1.0 - on_planes) || on_body < LEAST_ON);
-        let some = spread(points.len(), ENOUGH);
+        let some = spread(points.len(), ENOUGH_POINTS_TO_FIT);
         let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(points[k])).collect();
         // A part of a cylinder is nowhere flatter than round.
         let has_side = PlaneBeside::among(&some, FLATTER.get() * fit.1.point_scale).is_some();
@@ -112,7 +112,7 @@ impl Fitter {
 
     /// The fit to some points of a view without those of planes that touch the cylinder or cross it, what is left of them, and all planes
     /// among the others.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_off_planes(
         &self,
         view: &View,
@@ -121,7 +121,7 @@ impl Fitter {
         clock: &Instant,
     ) -> Result<(Fitted, List<usize>, List<PlaneBeside>)> {
         let in_view = |fit: &Fitted| view.pose().inverse().cylinder(&fit.1.cylinder);
-        let some = spread(view.cloud.len(), ENOUGH);
+        let some = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let refit = |before: &Fitted, rest: &[usize]| {
             let again = self.fit_of_points(view, rest, Some(&in_view(before)), run, clock);
             Ok(unless_cancelled(again)?.ok().filter(|again| is_as_good(&before.1, &again.1)))
@@ -136,7 +136,7 @@ impl Fitter {
     }
 
     /// The fits after a first one without points that lie on the cylinder before by chance.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn fit_to_surface(&self, mut fit: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
         let bodies = fit.0.bodies.clone();
         let views = self.views_or(&bodies);
@@ -167,7 +167,7 @@ fn may_hold_more(view: &View, fit: &Fitted) -> bool {
     {
         return true;
     }
-    let (some, on) = (spread(view.cloud.len(), ENOUGH), On::new(view, fit));
+    let (some, on) = (spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT), On::new(view, fit));
     some.iter().filter(|&&k| !on.holds(k)).count() as f64 > ELSEWHERE.get() * some.len() as f64
 }
 

@@ -23,7 +23,7 @@ impl Fitter {
         self.memory.lend(|| {
             let data = self.data()?;
             let start = Candidate { kind: StartKind::Model, cylinder: *cylinder };
-            describe::describe(&data, &self.held(&data), &start, cylinder, None)
+            describe::describe(&data, &self.constraints(&data), &start, cylinder, None)
         })
     }
 
@@ -36,7 +36,7 @@ impl Fitter {
         self.check_memory(BYTES_OF_FIT)?;
         let result = self.memory.lend(|| {
             let data = self.data()?;
-            describe::describe_beside_minimum(&data, &self.held(&data), cylinder)
+            describe::describe_beside_minimum(&data, &self.constraints(&data), cylinder)
         })?;
         self.result = Some(result);
         Ok(result)
@@ -128,7 +128,7 @@ impl Fitter {
         self.check_memory(BYTES_OF_DIAGNOSIS)?;
         self.memory.lend(|| {
             let data = self.data()?;
-            describe::diagnose(&data, &self.held(&data), &cylinder)
+            describe::diagnose(&data, &self.constraints(&data), &cylinder)
         })
     }
 

@@ -20,15 +20,15 @@ const DEVIATIONS: f64 = 2.0;
 
 /// The fit to a single view without the line of one limb, where the fit to both leaves it and it is drawn to a rim. `None` where there is
 /// none, and where the points do not lie on that cylinder as well.
-#[inline(never)] // Frames of ways that are not taken need no stack.
+#[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
 pub(super) fn without_rim(
     data: &Data<'_>,
     guided: &Guided,
     located: &Located,
     run: &mut Run<'_>,
 ) -> Result<Option<Located>> {
-    let Located { minimum, held } = located;
-    let ([view], [of_view]) = (&data.views[..], &held.views[..]) else { return Ok(None) };
+    let Located { minimum, constraints } = located;
+    let ([view], [of_view]) = (&data.views[..], &constraints.views[..]) else { return Ok(None) };
     let Some(limbs) = of_view.limbs.as_ref().filter(|_| of_view.located == 2) else { return Ok(None) };
     let cylinder = view.seen(minimum.cylinder());
     let left = limbs.each_ref().map(|limb| limb.line.is_ok_and(|line| view.leaves(&line, &cylinder)));
@@ -40,8 +40,8 @@ pub(super) fn without_rim(
     let found = fit_to(data, guided, &[lines_of_view(view, &limbs)], || 0.0, run)?;
     let as_well = found.filter(|found| found.minimum.scale() <= AS_WELL * minimum.scale());
     Ok(as_well.map(|mut found| {
-        found.held.views[0].limbs = Some(limbs);
-        found.held.settle(&found.minimum.scales);
+        found.constraints.views[0].limbs = Some(limbs);
+        found.constraints.settle(&found.minimum.scales);
         found
     }))
 }
@@ -67,7 +67,7 @@ impl ViewData<'_> {
             let distances = camera.distances_from_limbs(cylinder, &[sample.position; 2]);
             distances.is_some_and(|of_limbs| of_limbs.iter().all(|distances| distances.amax() > beside))
         };
-        // The point of the surface that is seen at a place.
+        // The point of the surface that is seen at a position.
         let seen = |at: Vector2<f64>| cylinder.first_hit(&camera.ideal_ray(&at));
         let has_rim = |sample: &LimbSample| {
             let hit = seen(sample.position)?;

@@ -1,12 +1,12 @@
 //! The scales of the point residuals of a cylinder, and how many points are independent.
 
 use super::data::{Data, ViewData};
-use super::few;
+use super::subsample;
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::observations::are_many;
 use crate::residuals::{NormalEquations, RobustScales, Squared, TUKEY_EFFICIENT};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size, median_size_near};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute, median_absolute_near};
 
 /// The part by which a number of independent points may change without another minimum: it is an estimate, good to
 /// a tenth at best.
@@ -65,7 +65,7 @@ impl Data<'_> {
 
     /// By the median absolute deviation. Exact data have no scale: the rounding floor avoids 0 / 0 in the loss.
     fn scale_of(&self, residuals: impl Iterator<Item = f64>) -> f64 {
-        (DEVIATION_OF_MEDIAN * median_size(residuals)).max(self.rounding())
+        (DEVIATION_OF_MEDIAN * median_absolute(residuals)).max(self.rounding())
     }
 
     /// Whether most points lie on a cylinder to rounding, as exact ones do, but some beside it: depth in coarse steps, of which a few points
@@ -137,7 +137,7 @@ impl Data<'_> {
             // Without a list of them: the neighbours have one of their own.
             let frame = LocalFrame { unit: 1.0, ..self.frame(cylinder) }.moved(&view.into_view);
             let near = before.map(|before| before.all / DEVIATION_OF_MEDIAN);
-            let median = few::median_distance(view, &frame, near);
+            let median = subsample::median_distance(view, &frame, near);
             let all = (DEVIATION_OF_MEDIAN * median).max(self.rounding());
             let point = if told > 0.0 { told } else { all };
             return Residuals { views: List::from([List::new()]), points: List::from([point]), all };
@@ -147,7 +147,7 @@ impl Data<'_> {
             _ if told > 0.0 => told,
             Some(before) => {
                 let near = before.views[k].point / DEVIATION_OF_MEDIAN;
-                (DEVIATION_OF_MEDIAN * median_size_near(view, near)).max(self.rounding())
+                (DEVIATION_OF_MEDIAN * median_absolute_near(view, near)).max(self.rounding())
             }
             None => self.scale_of(view.iter().copied()),
         };
@@ -179,7 +179,7 @@ impl Data<'_> {
         let frame = self.frame(cylinder).moved(&view.into_view);
         // The edges of the paper's objective pull the cylinder off the points with a weight of their own: what a step to
         // the minimum of the points would take away is no noise.
-        let freed = if self.is_paper() { without_misfit(view, &frame) } else { None };
+        let freed = if self.is_paper() { at_minimum_of_points(view, &frame) } else { None };
         let band = view.neighbours.band();
         let own = match (freed, band) {
             (Some(freed), band) => Some(band.unwrap_or(view.points).distances(&freed)),
@@ -192,7 +192,7 @@ impl Data<'_> {
 }
 
 /// The frame at the minimum of the points, by a step; `None` where that is not determined.
-fn without_misfit(view: &ViewData<'_>, frame: &LocalFrame) -> Option<LocalFrame> {
+fn at_minimum_of_points(view: &ViewData<'_>, frame: &LocalFrame) -> Option<LocalFrame> {
     let NormalEquations { gradient, hessian, .. } = view.points.linearise(frame, Squared);
     let cylinder = frame.retract(&-hessian.cholesky()?.solve(&gradient));
     Some(LocalFrame::new(&cylinder, &cylinder.axis.point, 1.0))

@@ -5,8 +5,8 @@
 //! Lids, handles and what stands in front change the width of a mask, too: along a part of the axis, or the depth shows it. Where
 //! the width changes all along it, the body is no cylinder.
 
+use super::constraints::{Constraints, ViewConstraints};
 use super::data::{Data, ViewData};
-use super::held::{Held, HeldView};
 use super::result::Flags;
 use super::scales::Scales;
 use crate::camera::Camera;
@@ -16,8 +16,8 @@ use crate::observations::{DepthImage, Mask, pixel_at};
 use crate::statistics::{at_both_ends, median, median_and_deviation};
 use nalgebra::{Vector2, Vector3};
 
-/// Places along the axis at which the mask is looked at.
-const PLACES: usize = 16;
+/// Positions along the axis at which the mask is looked at.
+const SAMPLES: usize = 16;
 
 /// Points that tell along which part of the axis the body is seen, and the part of them beyond it at either end: caps and rims
 /// have another width.
@@ -36,7 +36,7 @@ const STEEPEST: f64 = 0.05;
 /// What stands in front is nearer than the surface by this many standard deviations of the points.
 const NEARER: f64 = 3.0;
 
-/// How a mask ends beside a limb at one place.
+/// How a mask ends beside a limb at one position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Beside {
     Near,
@@ -57,10 +57,16 @@ struct Silhouette<'a> {
 impl Data<'_> {
     /// What the masks of the views say against a cylinder whose radius has a standard deviation: `MASK_DISAGREES` where one ends
     /// beside a limb along most of the axis, `BODY_TAPERS` where its sides converge.
-    pub fn masks_against(&self, held: &Held, cylinder: &Cylinder, scales: &Scales, deviation: f64) -> Flags {
-        let views = self.views.iter().zip(&held.views).zip(&scales.views).filter(|_| self.is_robust());
-        let against = views.filter_map(|((view, held), scales)| {
-            mask_against(view, held, view.seen(cylinder), NEARER * scales.point, deviation)
+    pub fn masks_against(
+        &self,
+        constraints: &Constraints,
+        cylinder: &Cylinder,
+        scales: &Scales,
+        deviation: f64,
+    ) -> Flags {
+        let views = self.views.iter().zip(&constraints.views).zip(&scales.views).filter(|_| self.is_robust());
+        let against = views.filter_map(|((view, constraints), scales)| {
+            mask_against(view, constraints, view.seen(cylinder), NEARER * scales.point, deviation)
         });
         against.fold(Flags::empty(), Flags::union)
     }
@@ -69,13 +75,13 @@ impl Data<'_> {
 /// `None` where there is nothing to compare.
 fn mask_against(
     view: &ViewData<'_>,
-    held: &HeldView,
+    constraints: &ViewConstraints,
     cylinder: Cylinder,
     nearer: f64,
     deviation: f64,
 ) -> Option<Flags> {
     // Two limbs that are seen confirm each other, whatever the mask is.
-    if held.located + held.given >= 2 || !view.view.sides_tell() {
+    if constraints.located + constraints.given >= 2 || !view.view.sides_tell() {
         return None;
     }
     let (camera, mask) = (view.camera()?, view.view.mask.as_ref()?);
@@ -87,10 +93,10 @@ fn mask_against(
     let noise = &view.noise;
     let allowed = noise.largest_margin().max(DEVIATIONS * noise.side);
     let lines = LimbFrame::new(&cylinder)?.limb_lines();
-    let places: [f64; PLACES] =
-        std::array::from_fn(|k| low + (high - low) * (k as f64 + 0.5) / PLACES as f64);
+    let samples: [f64; SAMPLES] =
+        std::array::from_fn(|k| low + (high - low) * (k as f64 + 0.5) / SAMPLES as f64);
     let disagrees = lines.iter().any(|line| {
-        let counts = places.iter().fold([0; 3], |mut counts, &along| {
+        let counts = samples.iter().fold([0; 3], |mut counts, &along| {
             let middle = axis.at(along);
             let limb = line.nearest_to(&middle);
             let beside = silhouette.beside([&middle, &limb], allowed, DEVIATIONS * deviation / radius);
@@ -98,7 +104,7 @@ fn mask_against(
             counts
         });
         let [near, within, beyond] = counts;
-        let most = (near + within + beyond).max(PLACES / 2) / 2;
+        let most = (near + within + beyond).max(SAMPLES / 2) / 2;
         within > most || beyond > most
     });
     let width = |&along: &f64| {
@@ -108,7 +114,7 @@ fn mask_against(
         Some([along / radius, (one + other) / (half + other_half), half + other_half])
     };
     // Only the depth tells what hides a limb.
-    let seen = silhouette.depth.map_or(&places[..0], |_| &places);
+    let seen = silhouette.depth.map_or(&samples[..0], |_| &samples);
     let widths: List<[f64; 3]> = seen.iter().filter_map(width).collect();
     let tapers = slope(&widths, noise.side)
         .is_some_and(|[slope, deviation]| slope.abs() > STEEPEST.max(DEVIATIONS * deviation));
@@ -124,7 +130,7 @@ fn mask_against(
 /// pairs (Theil and Sen), as lids and handles change the width of a part. Masks are off by `side` at either end of a side: they may
 /// be drawn from corner to corner.
 fn slope(widths: &[[f64; 3]], side: f64) -> Option<[f64; 2]> {
-    if widths.len() < PLACES / 2 {
+    if widths.len() < SAMPLES / 2 {
         return None;
     }
     let pairs = widths.iter().enumerate().flat_map(|(k, a)| widths[..k].iter().map(move |b| (a, b)));
@@ -202,7 +208,7 @@ impl Silhouette<'_> {
         Some((limb, (limb - middle) / width, width))
     }
 
-    /// The pixel at a place in the image.
+    /// The pixel at a position in the image.
     fn pixel(&self, at: &Vector2<f64>) -> Option<(usize, usize)> {
         pixel_at(at).filter(|&(x, y)| x < self.mask.width() && y < self.mask.height())
     }

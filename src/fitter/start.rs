@@ -1,7 +1,7 @@
 //! First stage: candidates for the start, and the choice among them.
 
+use super::constraints::Constraints;
 use super::data::{Data, ViewData};
-use super::held::Held;
 use super::options::StartKind;
 use super::run::Run;
 use crate::error::{Error, Result, unless_cancelled};
@@ -9,7 +9,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::start::moments::Moments;
 use crate::start::ransac::{RansacOptions, explained, ransac};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute};
 use nalgebra::Vector3;
 
 /// Points that starts are judged on: a start needs no more.
@@ -154,9 +154,9 @@ impl Data<'_> {
         let smallest = smallest.ok_or_else(|| nothing_found(failure))?;
         // Three standard deviations of the noise around the best candidate.
         let scale = (3.0 * DEVIATION_OF_MEDIAN * smallest).max(f64::MIN_POSITIVE);
-        let held = Held::as_given(self);
+        let constraints = Constraints::as_given(self);
         let cost = |cylinder: &Cylinder| {
-            cost_of_points(cylinder, &sample, scale) + self.cost_of_views(&held, cylinder, &by_view)
+            cost_of_points(cylinder, &sample, scale) + self.cost_of_views(&constraints, cylinder, &by_view)
         };
         let mut judged: List<(f64, Candidate)> =
             candidates.into_iter().map(|(_, candidate)| (cost(&candidate.cylinder), candidate)).collect();
@@ -166,14 +166,19 @@ impl Data<'_> {
 
     /// For each view the mean of truncated squares of endpoints, in [0, 1]; 1 more when most of its points are on the wall that
     /// the camera cannot see.
-    fn cost_of_views(&self, held: &Held, cylinder: &Cylinder, samples: &[List<Vector3<f64>>]) -> f64 {
+    fn cost_of_views(
+        &self,
+        constraints: &Constraints,
+        cylinder: &Cylinder,
+        samples: &[List<Vector3<f64>>],
+    ) -> f64 {
         let mut cost = 0.0;
-        for ((view, held), sample) in self.views.iter().zip(&held.views).zip(samples) {
+        for ((view, constraints), sample) in self.views.iter().zip(&constraints.views).zip(samples) {
             let seen = view.seen(cylinder);
             if view.observed && seen.visible_wall(sample.iter().copied()).fraction() < 0.5 {
                 cost += 1.0;
             }
-            let Some(lines) = &held.lines else { continue };
+            let Some(lines) = &constraints.lines else { continue };
             let contradiction = view.noise.gross();
             cost += lines.distances(&seen).map_or(1.0, |distances| {
                 let count = 2 * distances.len();
@@ -197,7 +202,7 @@ fn truncated(ratio: f64) -> f64 {
 
 /// Median distance of points from a surface, 0 for no points.
 pub(super) fn median_distance(cylinder: &Cylinder, points: &[Vector3<f64>]) -> f64 {
-    median_size(points.iter().map(|p| cylinder.distance(p)))
+    median_absolute(points.iter().map(|p| cylinder.distance(p)))
 }
 
 /// Why no start was found: what random samples failed by, which is a failure of its own with its own remedy.

@@ -1,6 +1,6 @@
 //! Two planes, one on either side of a line along the axis of a cylinder: the sides of a box that is fitted as one.
 
-use crate::statistics::ends;
+use crate::statistics::min_max_of;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Parts of equal width across the axis, between any two of which one plane may end and the other begin.
@@ -14,7 +14,7 @@ const LEAST_SPREAD: f64 = 0.01;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Weighted {
     pub weight: f64,
-    pub place: Vector3<f64>,
+    pub position: Vector3<f64>,
 }
 
 /// A plane on either side of a line along the axis.
@@ -27,41 +27,41 @@ impl TwoPlanes {
 
     /// Those from which the points are least far, and the weighted mean of the squared distances.
     pub fn new(points: &[Weighted]) -> Option<(Self, f64)> {
-        let [first, last] = ends(points.iter().map(|point| point.place.y));
+        let [first, last] = min_max_of(points.iter().map(|point| point.position.y));
         let step = (last - first) / PARTS as f64;
-        let mut sums = [Sums::default(); PARTS];
+        let mut moments = [Moments::default(); PARTS];
         for point in points {
-            let part = ((point.place.y - first) / step) as usize;
-            sums[part.min(PARTS - 1)].add(point);
+            let part = ((point.position.y - first) / step) as usize;
+            moments[part.min(PARTS - 1)].add(point);
         }
-        let all = sums.iter().fold(Sums::default(), |all, part| all.with(part));
-        let mut one = Sums::default();
+        let all = moments.iter().fold(Moments::default(), |all, part| all.with(part));
+        let mut one = Moments::default();
         let divided = (1..PARTS).filter_map(|part| {
-            one = one.with(&sums[part - 1]);
+            one = one.with(&moments[part - 1]);
             Self::of([&one, &all.without(&one)])
         });
         let (best, _) = divided.min_by(|a, b| a.1.total_cmp(&b.1))?;
         // A part may have points of both.
-        let mut sums = [Sums::default(); 2];
-        points.iter().for_each(|point| sums[best.seen_at(&point.place)].add(point));
-        Self::of(sums.each_ref())
+        let mut moments = [Moments::default(); 2];
+        points.iter().for_each(|point| moments[best.seen_at(&point.position)].add(point));
+        Self::of(moments.each_ref())
     }
 
     /// The planes through two sets of points, and the weighted mean of the squared distances.
-    fn of(sums: [&Sums; 2]) -> Option<(Self, f64)> {
-        let [(a, of_a), (b, of_b)] = [sums[0].plane()?, sums[1].plane()?];
-        Some((Self([a, b]), (of_a + of_b) / (sums[0].weight + sums[1].weight)))
+    fn of(moments: [&Moments; 2]) -> Option<(Self, f64)> {
+        let [(a, of_a), (b, of_b)] = [moments[0].plane()?, moments[1].plane()?];
+        Some((Self([a, b]), (of_a + of_b) / (moments[0].weight + moments[1].weight)))
     }
 
-    /// Which plane is the surface at a place across: that of a box is the lower one, as z leads away from the axis.
-    fn seen_at(&self, place: &Vector3<f64>) -> usize {
-        let [one, other] = self.0.map(|plane| plane.height_of(place));
+    /// Which plane is the surface at a position across: that of a box is the lower one, as z leads away from the axis.
+    fn seen_at(&self, position: &Vector3<f64>) -> usize {
+        let [one, other] = self.0.map(|plane| plane.height_of(position));
         usize::from(one > other)
     }
 
-    /// How far a place lies outside of the surface.
-    pub fn distance(&self, place: &Vector3<f64>) -> f64 {
-        self.0[self.seen_at(place)].distance(place)
+    /// How far a position lies outside of the surface.
+    pub fn distance(&self, position: &Vector3<f64>) -> f64 {
+        self.0[self.seen_at(position)].distance(position)
     }
 }
 
@@ -73,28 +73,28 @@ struct Plane {
 }
 
 impl Plane {
-    fn height_of(&self, place: &Vector3<f64>) -> f64 {
-        self.point.z + self.slopes.dot(&(place - self.point).xy())
+    fn height_of(&self, position: &Vector3<f64>) -> f64 {
+        self.point.z + self.slopes.dot(&(position - self.point).xy())
     }
 
-    fn distance(&self, place: &Vector3<f64>) -> f64 {
-        (place.z - self.height_of(place)) / (1.0 + self.slopes.norm_squared()).sqrt()
+    fn distance(&self, position: &Vector3<f64>) -> f64 {
+        (position.z - self.height_of(position)) / (1.0 + self.slopes.norm_squared()).sqrt()
     }
 }
 
 /// Weights of points, and their first and second moments.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct Moments {
     weight: f64,
     first: Vector3<f64>,
     second: Matrix3<f64>,
 }
 
-impl Sums {
-    fn add(&mut self, Weighted { weight, place }: &Weighted) {
+impl Moments {
+    fn add(&mut self, Weighted { weight, position }: &Weighted) {
         self.weight += weight;
-        self.first += place * *weight;
-        self.second += place * place.transpose() * *weight;
+        self.first += position * *weight;
+        self.second += position * position.transpose() * *weight;
     }
 
     fn with(&self, other: &Self) -> Self {
@@ -136,7 +136,7 @@ mod tests {
     fn points(height: impl Fn(f64, f64) -> f64) -> Vec<Weighted> {
         let grid =
             (0..20).flat_map(|i| (0..16).map(move |j| (f64::from(i) / 10.0 - 1.0, f64::from(j) / 8.0 - 0.9)));
-        grid.map(|(x, y)| Weighted { weight: 1.0, place: Vector3::new(x, y, height(x, y)) }).collect()
+        grid.map(|(x, y)| Weighted { weight: 1.0, position: Vector3::new(x, y, height(x, y)) }).collect()
     }
 
     #[test]
@@ -156,9 +156,10 @@ mod tests {
 
     #[test]
     fn no_points_and_points_along_lines_are_no_planes() {
-        let place = |x: f64, y: f64| Weighted { weight: 1.0, place: Vector3::new(x, y, (97.0 * x).sin()) };
-        let columns: Vec<Weighted> = (0..40).map(|k| place(f64::from(k / 2), f64::from(k % 2))).collect();
-        for points in [&[][..], &[place(0.1, 0.2); 20], &columns] {
+        let weighted =
+            |x: f64, y: f64| Weighted { weight: 1.0, position: Vector3::new(x, y, (97.0 * x).sin()) };
+        let columns: Vec<Weighted> = (0..40).map(|k| weighted(f64::from(k / 2), f64::from(k % 2))).collect();
+        for points in [&[][..], &[weighted(0.1, 0.2); 20], &columns] {
             assert!(TwoPlanes::new(points).is_none(), "{points:?}");
         }
     }

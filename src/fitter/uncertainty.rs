@@ -1,7 +1,7 @@
 //! How uncertain a result is, and whether points and limbs agree about the radius.
 
+use super::constraints::Constraints;
 use super::data::Data;
-use super::held::Held;
 use super::result::Flags;
 use super::scales::Scales;
 use crate::geometry::{Cylinder, LocalFrame, Tangent, TangentMap};
@@ -47,7 +47,7 @@ impl Data<'_> {
     /// the sides of a mask, where these take part.
     pub fn uncertainty(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         frame: &LocalFrame,
         scales: &Scales,
         objective: &Sum<'_>,
@@ -62,10 +62,10 @@ impl Data<'_> {
             tangent,
             center: self.center,
         });
-        let radii = (uncertainty.is_some() && held.has_lines())
+        let radii = (uncertainty.is_some() && constraints.has_lines())
             .then(|| RadiusComparison::new(cylinder.radius, &sandwich, self.unit))
             .flatten();
-        let shift = uncertainty.and_then(|_| self.image_shift(held, &sandwich, frame, scales));
+        let shift = uncertainty.and_then(|_| self.image_shift(constraints, &sandwich, frame, scales));
         (uncertainty, radii, shift)
     }
 
@@ -116,11 +116,11 @@ impl Data<'_> {
     /// the minimum lies from it, to first order, is an error like others. `None` where nothing tells that.
     pub fn uncertainty_beside_minimum(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         cylinder: &Cylinder,
         about: &Uncertainty,
     ) -> Option<Uncertainty> {
-        let objective = self.objective(held, cylinder, &self.scales(cylinder));
+        let objective = self.objective(constraints, cylinder, &self.scales(cylinder));
         let step = objective.sandwich(&about.frame)?.step(&self.known())?;
         Some(Uncertainty { tangent: about.tangent + step * step.transpose(), ..*about })
     }
@@ -128,12 +128,12 @@ impl Data<'_> {
     /// The shift between depth and image, where both limbs of a single view were located.
     fn image_shift(
         &self,
-        held: &Held,
+        constraints: &Constraints,
         sandwich: &Sandwich,
         frame: &LocalFrame,
         scales: &Scales,
     ) -> Option<ImageShift> {
-        let ([view], [of_view]) = (&self.views[..], &held.views[..]) else { return None };
+        let ([view], [of_view]) = (&self.views[..], &constraints.views[..]) else { return None };
         if of_view.located < 2 || !view.observed {
             return None;
         }

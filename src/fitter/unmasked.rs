@@ -45,7 +45,7 @@ impl View {
         let mut nearest = List::filled(0.0_f32, width * height);
         let mut within = 0;
         for point in self.cloud.points() {
-            let pixel = camera.project(&point).and_then(|place| pixel_at(&place));
+            let pixel = camera.project(&point).and_then(|position| pixel_at(&position));
             let Some((column, row)) = pixel.filter(|&(x, y)| x < width && y < height) else { continue };
             let (nearest, depth) = (&mut nearest[row * width + column], point.z as f32);
             *nearest = if *nearest > 0.0 { nearest.min(depth) } else { depth };

@@ -1,13 +1,13 @@
 //! The data of one view, as they were pushed.
 
-use super::few::Neighbours;
+use super::subsample::Neighbours;
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, RigidMotion};
 use crate::memory::List;
 use crate::noise::{ImageNoise, NoiseModel};
 use crate::observations::{DepthImage, EdgeSegment, Frame, GreyImage, Mask, PointCloud};
 use crate::parts::Parts;
-use crate::statistics::{median_point, median_size};
+use crate::statistics::{median_absolute, median_point};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use std::sync::OnceLock;
 
@@ -128,13 +128,13 @@ impl View {
         let (_, covariance) = self.mean_and_covariance()?;
         let sample: List<_> = self.cloud.sampled(SAMPLE).collect();
         let middle = median_point(&sample);
-        let reach = FAR * median_size(sample.iter().map(|p| (p - middle).norm()));
+        let reach = FAR * median_absolute(sample.iter().map(|p| (p - middle).norm()));
         if reach == 0.0 || covariance.trace() <= reach * reach {
             return None;
         }
         let cloud = self.cloud.chosen(|index| (self.cloud.point(index) - middle).norm() <= reach);
-        let few = (self.cloud.len() - cloud.len()) as f64 <= FEW * self.cloud.len() as f64;
-        few.then(|| self.with_points(cloud, self.body.clone()))
+        let are_few = (self.cloud.len() - cloud.len()) as f64 <= FEW * self.cloud.len() as f64;
+        are_few.then(|| self.with_points(cloud, self.body.clone()))
     }
 
     /// The camera of image, mask and edges.

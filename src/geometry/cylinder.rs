@@ -62,7 +62,8 @@ impl Cylinder {
         Ok(Self { axis: Line::new(point, direction), radius })
     }
 
-    /// The same cylinder: see [`Line::with_canonical_direction`].
+    /// This cylinder with the largest component of the direction of its axis positive, so that the same cylinder always reads the
+    /// same.
     #[must_use]
     pub fn with_canonical_direction(self) -> Self {
         Self { axis: self.axis.with_canonical_direction(), ..self }

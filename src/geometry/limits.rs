@@ -123,7 +123,7 @@ impl CylinderLimits {
         Ok(())
     }
 
-    /// The same limits for cylinders that are moved.
+    /// These limits for cylinders that are moved: the cone of the axis turns with them.
     #[must_use]
     pub fn moved(&self, by: &RigidMotion) -> Self {
         let moved = |cone: AxisCone| AxisCone { direction: by.direction(&cone.direction), ..cone };

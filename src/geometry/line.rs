@@ -22,7 +22,7 @@ impl Line {
         Self { point, direction: direction.normalize() }
     }
 
-    /// The same line with the largest component of its direction positive, so that the same line always reads the same.
+    /// This line with the largest component of its direction positive, so that the same line always reads the same.
     #[must_use]
     pub fn with_canonical_direction(self) -> Self {
         let direction = self.direction;

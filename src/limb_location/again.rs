@@ -45,7 +45,7 @@ pub struct Appearance {
     blur: f64,
     light: Light,
     limbs: [Look; 2],
-    /// Two places of each line.
+    /// Two positions of each line.
     lines: [[Vector2<f64>; 2]; 2],
 }
 

@@ -10,7 +10,7 @@ use crate::observations::GreyImage;
 /// Columns and rows of a block.
 const BLOCK: usize = 8;
 
-/// Places within a block that its border is compared with: at even distances from it, for the patterns of colour
+/// Positions within a block that its border is compared with: at even distances from it, for the patterns of colour
 /// filters repeat every two pixels, and not next to it.
 const WITHIN: [usize; 3] = [1, 3, 5];
 
@@ -57,37 +57,38 @@ fn excess<Line: Iterator<Item = f32>>(
     }
     let sum: f64 = differences.iter().copied().map(f64::from).sum();
     let most = LARGEST * sum / differences.len() as f64;
-    // Number, sum and sum of squares by place in a block.
-    let mut places = [[0.0; BLOCK]; 3];
+    // Number, sum and sum of squares by position in a block.
+    let mut by_position = [[0.0; BLOCK]; 3];
     for line in differences.chunks_exact(length - 1) {
         let (blocks, rest) = line.as_chunks::<BLOCK>();
         for block in blocks {
-            add(&mut places, block, most);
+            add(&mut by_position, block, most);
         }
-        add(&mut places, rest, most);
+        add(&mut by_position, rest, most);
     }
-    let places: [[f64; 3]; BLOCK] = std::array::from_fn(|k| places.map(|sums| sums[k]));
+    let by_position: [[f64; 3]; BLOCK] = std::array::from_fn(|k| by_position.map(|sums| sums[k]));
     let mean_and_variance = |[count, sum, squares]: [f64; 3]| {
         let mean = sum / count;
         (mean, (squares / count - mean * mean) / count)
     };
-    let within =
-        WITHIN.iter().fold([0.0; 3], |sum, &place| std::array::from_fn(|k| sum[k] + places[place][k]));
+    let within = WITHIN
+        .iter()
+        .fold([0.0; 3], |sum, &position| std::array::from_fn(|k| sum[k] + by_position[position][k]));
     let ((border, of_border), (inside, of_inside)) =
-        (mean_and_variance(places[BLOCK - 1]), mean_and_variance(within));
+        (mean_and_variance(by_position[BLOCK - 1]), mean_and_variance(within));
     let excess = border - inside;
     (excess > SIGNIFICANT * (of_border + of_inside).sqrt()).then_some(excess)
 }
 
-/// Adds differences, those beyond the largest one as that, to number, sum and sum of squares by place.
+/// Adds differences, those beyond the largest one as that, to number, sum and sum of squares by position.
 #[inline]
-fn add(places: &mut [[f64; BLOCK]; 3], differences: &[f32], most: f64) {
+fn add(by_position: &mut [[f64; BLOCK]; 3], differences: &[f32], most: f64) {
     for (k, difference) in differences.iter().enumerate() {
         let difference = f64::from(*difference);
         let d = if difference < most { difference } else { most };
-        places[0][k] += 1.0;
-        places[1][k] += d;
-        places[2][k] += d * d;
+        by_position[0][k] += 1.0;
+        by_position[1][k] += d;
+        by_position[2][k] += d * d;
     }
 }
 

@@ -122,15 +122,15 @@ pub(super) fn rough_line(
         + VISIBLE_DEVIATIONS.get() * (blocks * NOISE_VARIANCE).sqrt()
         + VISIBLE_DEVIATIONS.get() * VISIBLE_DEVIATIONS.get();
     let count = (reach / LINE_STEP.get()).ceil().max(1.0) as usize;
-    let places = 2 * count + 1;
-    let place = |k: usize| (k as f64 - count as f64) * reach / count as f64;
+    let positions = 2 * count + 1;
+    let position = |k: usize| (k as f64 - count as f64) * reach / count as f64;
     let most = most_after(&responses);
-    // The first best of some lines, given by the places of their ends; those below a score need not be followed to their end.
+    // The first best of some lines, given by the positions of their ends; those below a score need not be followed to their end.
     let best_of = |lines: usize, ends: &dyn Fn(usize) -> [usize; 2], least: f64| {
         let mut best: Option<RoughLine> = None;
         for first in (0..lines).step_by(LINES) {
             // Those beyond the last are not looked at.
-            let ends: [_; LINES] = std::array::from_fn(|k| ends(first + k).map(place));
+            let ends: [_; LINES] = std::array::from_fn(|k| ends(first + k).map(position));
             let prior = ends.map(|ends| ends.map(|u| u / deviation)).map(|[a, b]| a * a + b * b);
             let least = best.map_or(least, |best| least.max(best.score));
             let least = prior.map(|prior| least + prior - ROUNDING);
@@ -148,8 +148,8 @@ pub(super) fn rough_line(
         best
     };
     // One of the lines along the expected one is nearly the best, so that others are left early.
-    let along = best_of(places, &|k| [k, k], f64::NEG_INFINITY)?;
-    best_of(places * places, &|k| [k / places, k % places], along.score)
+    let along = best_of(positions, &|k| [k, k], f64::NEG_INFINITY)?;
+    best_of(positions * positions, &|k| [k / positions, k % positions], along.score)
 }
 
 /// What the blocks that follow each block can add to the evidence of a line at most: to the sum of logarithms, and to the sum
@@ -168,7 +168,7 @@ fn most_after(responses: &[Response]) -> List<[f64; 2]> {
     most
 }
 
-/// The step filter at every place of a run between two pixels, in units of its noise.
+/// The step filter at every position of a run between two pixels, in units of its noise.
 fn respond(run: &Pixels<'_>, norm: f64, room: &mut Room) -> Option<Response> {
     let Pixels { s, u, values, .. } = *run;
     let count = values.len().checked_sub(2 * FILTER_HALF - 1).filter(|&count| count >= 2)?;
@@ -192,7 +192,7 @@ struct Room {
 struct Filter<'a> {
     values: &'a [f64],
     norm: f64,
-    /// How many places there are.
+    /// How many positions there are.
     count: usize,
     room: &'a mut Room,
 }
@@ -297,7 +297,7 @@ impl WithSimd for Evidence<'_> {
 fn add_responses(response: &Response, middle: &[f64; LINES], slope: &[f64; LINES], sums: &mut [f64; LINES]) {
     let Response { s, first_u, step, pairs } = response;
     let last = (pairs.len() - 1) as f64;
-    let (mut place, mut part) = ([0.0; LINES], [0.0; LINES]);
+    let (mut index, mut part) = ([0.0; LINES], [0.0; LINES]);
     for k in 0..LINES {
         let x = (middle[k] + slope[k] * s - first_u) / step;
         let x = if x >= 0.0 { x } else { last };
@@ -306,11 +306,11 @@ fn add_responses(response: &Response, middle: &[f64; LINES], slope: &[f64; LINES
         let nearest = (x + WHOLE) - WHOLE;
         let whole = if nearest > x { nearest - 1.0 } else { nearest };
         part[k] = x - whole;
-        place[k] = whole + WHOLE;
+        index[k] = whole + WHOLE;
     }
     let (mut below, mut above) = ([0.0; LINES], [0.0; LINES]);
     for k in 0..LINES {
-        [below[k], above[k]] = pairs[place[k].to_bits() as u32 as usize];
+        [below[k], above[k]] = pairs[index[k].to_bits() as u32 as usize];
     }
     for k in 0..LINES {
         sums[k] += below[k] * (1.0 - part[k]) + above[k] * part[k];

@@ -23,19 +23,19 @@ constants! {
     /// The same at most: one radius, and the error of the points that tell it.
     MOST_FRONT = 1.2, "radius";
 
-    /// What bends towards the line by less than this part of the step between the places is flat. Behind the limb of a cylinder of
+    /// What bends towards the line by less than this part of the step between the samples is flat. Behind the limb of a cylinder of
     /// any radius the depth bends by 0.7 to 0.9 of it, as sensors smooth it by 0.3 and more.
     FLAT = 0.25, "step";
 
     /// What bends the other way by more begins somewhere beyond.
     HOLLOW = 1.0, "step";
 
-    /// Places along the line.
+    /// Positions along the line.
     POSITIONS = 32.0, "";
 }
 
-/// How many places beyond each position are compared.
-const PLACES: usize = 4;
+/// How many samples beyond each position are compared.
+const SAMPLES: usize = 4;
 
 /// What the depth shows beyond the region of a body.
 pub(super) struct Beyond<'a> {
@@ -69,7 +69,7 @@ impl<'a> Beyond<'a> {
 
     /// Whether the body touches what is beyond a line between two points in ideal pixels, towards `outward` (of length 1).
     pub fn touches(&self, ends: &[Vector2<f64>; 2], outward: &Vector2<f64>) -> bool {
-        // The first place is past the reach of a boundary that is off, the others are as far from each other.
+        // The first sample is past the reach of a boundary that is off, the others are as far from each other.
         let [step, ..] = self.noise.beyond();
         let slope = step * self.pixel;
         let count = POSITIONS.count();
@@ -78,20 +78,20 @@ impl<'a> Beyond<'a> {
             (q, self.limb_depth(&self.camera.ideal_ray(&q)))
         };
         let positions: List<(Vector2<f64>, f64)> = (0..count).map(at).collect();
-        let mut profile = [0.0; PLACES];
-        for (place, depth) in (1..).zip(&mut profile) {
-            let beyond = outward * (step * f64::from(place));
+        let mut profile = [0.0; SAMPLES];
+        for (number, depth) in (1..).zip(&mut profile) {
+            let beyond = outward * (step * f64::from(number));
             let behind_limb =
                 |(q, limb): &(Vector2<f64>, f64)| Some(self.depth_at(&(q + beyond))? / limb - 1.0);
             let mut depths: List<f64> = positions.iter().filter_map(behind_limb).collect();
             *depth = median(&mut depths);
             // Most lines end here: what is farther away than a surface at 45° to the limb is another one.
-            if 2 * depths.len() < count || *depth > slope * f64::from(place) {
+            if 2 * depths.len() < count || *depth > slope * f64::from(number) {
                 return false;
             }
         }
         let [a, b, c, d] = profile;
-        // In front of the limb by the line through the four places, carried on to where the region ends; and how much they bend.
+        // In front of the limb by the line through the four samples, carried on to where the region ends; and how much they bend.
         let (front, bend) = (-(a + 0.5 * (b - d)), a - b - c + d);
         let least = (LEAST_FRONT.get() * self.radius).max(NEARER.get());
         let most = MOST_FRONT.get() * self.radius;

@@ -46,10 +46,10 @@ impl<const WIDTH: usize> Gathered<WIDTH> {
         near: &Near,
     ) -> impl Iterator<Item = Option<Self>> {
         let most = near.blocks.iter().map(|block| block.pixels.len()).max().unwrap_or_default();
-        let (mut rows, mut places) = (List::filled([0.0; WIDTH], most), List::filled(0.0, most));
+        let (mut rows, mut positions) = (List::filled([0.0; WIDTH], most), List::filled(0.0, most));
         near.blocks.iter().map(move |block| {
-            let (rows, places) = (&mut rows[..], &mut places[..]);
-            let gather = Gather::<WIDTH, COUNT> { profile, line, near, block, rows, places };
+            let (rows, positions) = (&mut rows[..], &mut positions[..]);
+            let gather = Gather::<WIDTH, COUNT> { profile, line, near, block, rows, positions };
             // Rows of twelve are whole numbers of four alone.
             if WIDTH.is_multiple_of(8) { Arch::new().dispatch(gather) } else { by_fours(gather) }
         })
@@ -134,24 +134,24 @@ pub(super) fn blocks(strip: &Strip) -> impl ExactSizeIterator<Item = Range<usize
     (0..count.div_ceil(of_block)).map(move |k| k * of_block..((k + 1) * of_block).min(count))
 }
 
-/// How many of the first pixels of a run, at these places, are not as far inside a line as either of two distances. The pixels of a
+/// How many of the first pixels of a run, at these positions, are not as far inside a line as either of two distances. The pixels of a
 /// run are about evenly spread: a straight line tells the numbers nearly.
 #[inline(always)]
 fn counts_before(s: &[f64], u: &[f64], line: &StripLine, distances: [f64; 2]) -> [usize; 2] {
     let Some(last) = u.len().checked_sub(1) else { return [0; 2] };
     let s = &s[..=last];
-    let place = |k: usize| u[k] - line.at(s[k]);
-    let first = place(0);
-    let per_step = last as f64 / (place(last) - first);
+    let position = |k: usize| u[k] - line.at(s[k]);
+    let first = position(0);
+    let per_step = last as f64 / (position(last) - first);
     let mut counts = [0; 2];
     for (number, distance) in counts.iter_mut().zip(distances) {
         // The conversion holds what is below 0 at 0.
         let mut count = (1.0 + (distance - first) * per_step) as u32 as usize;
         count = count.min(u.len());
-        while count > 0 && !(place(count - 1) - distance < 0.0) {
+        while count > 0 && !(position(count - 1) - distance < 0.0) {
             count -= 1;
         }
-        while count < u.len() && place(count) - distance < 0.0 {
+        while count < u.len() && position(count) - distance < 0.0 {
             count += 1;
         }
         *number = count;
@@ -167,9 +167,9 @@ struct Gather<'a, const WIDTH: usize, const COUNT: usize> {
     line: &'a StripLine,
     near: &'a Near,
     block: &'a OfBlock,
-    /// Room for a row and a place a pixel.
+    /// Room for a row and a position a pixel.
     rows: &'a mut [[f64; WIDTH]],
-    places: &'a mut [f64],
+    positions: &'a mut [f64],
 }
 
 /// Works with instructions of four numbers on machines with wider ones, too.
@@ -187,15 +187,15 @@ impl<const WIDTH: usize, const COUNT: usize> WithSimd for Gather<'_, WIDTH, COUN
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let Self { profile, line: StripLine { offset, slope }, near, block, rows, places } = self;
+        let Self { profile, line: StripLine { offset, slope }, near, block, rows, positions } = self;
         let OfBlock { pixels, s, squares } = block;
         let (along, across) = (&near.s[pixels.clone()], &near.u[pixels.clone()]);
         let values = &near.values[pixels.clone()];
-        for ((place, s), u) in places.iter_mut().zip(along).zip(across) {
-            *place = profile.steps_to(u - (offset + slope * s));
+        for ((position, s), u) in positions.iter_mut().zip(along).zip(across) {
+            *position = profile.steps_to(u - (offset + slope * s));
         }
-        for ((row, place), value) in rows.iter_mut().zip(&*places).zip(values) {
-            let (below, above, part) = profile.beside(*place)?;
+        for ((row, position), value) in rows.iter_mut().zip(&*positions).zip(values) {
+            let (below, above, part) = profile.beside(*position)?;
             let (below, above) = (S::as_simd_f64s(below).0, S::as_simd_f64s(above).0);
             let part = simd.splat_f64s(part);
             for ((number, below), above) in S::as_mut_simd_f64s(row).0.iter_mut().zip(below).zip(above) {
@@ -296,11 +296,11 @@ mod tests {
             let found = found.unwrap();
             let (mut rows, mut s) = (Vec::new(), 0.0);
             for run in runs.map(|run| strip.run(run)) {
-                let place = |k: usize, line: &StripLine| run.u[k] - line.at(run.s[k]);
+                let position = |k: usize, line: &StripLine| run.u[k] - line.at(run.s[k]);
                 let looked_at =
-                    |k: &usize| !run.saturated[*k] && (window.from..window.to).contains(&place(*k, &near));
+                    |k: &usize| !run.saturated[*k] && (window.from..window.to).contains(&position(*k, &near));
                 for k in (0..run.u.len()).filter(looked_at) {
-                    let (below, above, part) = table.beside(table.steps_to(place(k, &line))).unwrap();
+                    let (below, above, part) = table.beside(table.steps_to(position(k, &line))).unwrap();
                     let mut row: Vec<f64> =
                         (0..COUNT).map(|k| below[k] + (above[k] - below[k]) * part).collect();
                     row.push(run.values[k]);
@@ -348,9 +348,9 @@ mod tests {
         let even = |k: usize| -6.0 + 0.9 * k as f64;
         let bent = |k: usize| -6.0 + 0.05 * (k * k) as f64;
         let far_off = |k: usize| if k < 12 { -6.0 + 1e-3 * k as f64 } else { 1e6 };
-        for place in [even, bent, far_off, |_| 2.0] {
+        for position in [even, bent, far_off, |_| 2.0] {
             for length in [0, 1, 2, 15] {
-                let strip = Strip::of_runs([(0..length).map(|k| pixel(place(k))).collect()].into_iter());
+                let strip = Strip::of_runs([(0..length).map(|k| pixel(position(k))).collect()].into_iter());
                 let run = strip.run(0);
                 for limit in [f64::NEG_INFINITY, -7.0, -6.0, -5.5, 0.3, 2.0, 5.0, 1e9] {
                     let found = [0.0, 1.3].map(|far| run.u.partition_point(|u| u - limit - far < 0.0));

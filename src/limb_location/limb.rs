@@ -33,28 +33,28 @@ constants! {
     /// Spacing of these lines in pixels: well within the reach of the Gauss–Newton steps.
     SCAN_STEP = 0.5, "px";
 
-    /// The cost within which two places of a limb are both followed up, three standard deviations squared: the blur is not known
+    /// The cost within which two positions of a limb are both followed up, three standard deviations squared: the blur is not known
     /// yet.
     pub(super) AMBIGUOUS = 9.0, "";
 
-    /// The least distance of such places in pixels: blur moves a minimum by less.
+    /// The least distance of such positions in pixels: blur moves a minimum by less.
     pub(super) ELSEWHERE = 1.0, "px";
 
-    /// The effective number of blocks of a limb where places are weighed against each other. What is odd about a place, an edge
+    /// The effective number of blocks of a limb where positions are weighed against each other. What is odd about a position, an edge
     /// of a label or of a shadow, is odd about all blocks and about many pixels of each: together they say no more than half of
     /// one block would whose pixels were independent (docs/measurements-limbs.md).
     EFFECTIVE_BLOCKS = 0.5, "";
 
-    /// By how much twice the log-likelihood is divided before it pays for the slopes of a background that choose a place: what
+    /// By how much twice the log-likelihood is divided before it pays for the slopes of a background that choose a position: what
     /// is odd about one pixel is odd about its neighbours, too.
     TEMPERATURE = 4.0, "";
 
-    /// The same for slopes beside a place that was chosen without: 1 if no pixel shared anything with its neighbours
+    /// The same for slopes beside a position that was chosen without: 1 if no pixel shared anything with its neighbours
     /// (docs/measurements-limbs.md).
     SLOPE_TEMPERATURE = 1.4, "";
 }
 
-/// What speaks against a line that ran away from its place: more than against any place.
+/// What speaks against a line that ran away from its position: more than against any position.
 const RAN_AWAY: f64 = 1e6;
 
 /// Where the blur stands among the unknowns, after four of each limb.
@@ -98,7 +98,7 @@ pub(super) struct Limb<'a> {
     pub background: Background,
     /// Where the scan found the limb without slopes of the background, if these explain it better there.
     sloped_at: Option<f64>,
-    /// How many blocks the scan compared places by.
+    /// How many blocks the scan compared positions by.
     scanned_blocks: usize,
     /// How much more the blocks scatter about the line than their noise explains, at least 1.
     scatter: f64,
@@ -112,9 +112,9 @@ pub(super) struct Limb<'a> {
     pub misfit: f64,
 }
 
-/// A place of a limb, and what speaks against it.
+/// A candidate position of a limb, and what speaks against it.
 #[derive(Clone, Copy)]
-struct Place {
+struct Candidate {
     state: LimbState,
     /// Twice the negative log-likelihood of the pixels.
     of_pixels: f64,
@@ -235,55 +235,57 @@ impl<'a> Limb<'a> {
             })
             .collect();
         self.scanned_blocks = sums[0].1.len();
-        let places_on = |background: Background| -> List<Place> {
-            let place = |(line, blocks): &(StripLine, List<BlockSums>)| {
+        let candidates_on = |background: Background| -> List<Candidate> {
+            let candidate = |(line, blocks): &(StripLine, List<BlockSums>)| {
                 let state = LimbState { line: *line, shading: self.best_shading(blocks, background) };
-                self.place(blocks, state, background)
+                self.candidate(blocks, state, background)
             };
-            sums.iter().map(place).collect()
+            sums.iter().map(candidate).collect()
         };
-        let [flat, sloped] = [Background::Flat, Background::Sloped].map(places_on);
-        let least = |places: &mut dyn Iterator<Item = &Place>| {
-            places.min_by(|a, b| a.cost.total_cmp(&b.cost)).copied()
+        let [flat, sloped] = [Background::Flat, Background::Sloped].map(candidates_on);
+        let least = |candidates: &mut dyn Iterator<Item = &Candidate>| {
+            candidates.min_by(|a, b| a.cost.total_cmp(&b.cost)).copied()
         };
-        let [Some(of_flat), Some(of_sloped)] = [&flat, &sloped].map(|places| least(&mut places.iter()))
+        let [Some(of_flat), Some(of_sloped)] =
+            [&flat, &sloped].map(|candidates| least(&mut candidates.iter()))
         else {
             return List::from([self.state]);
         };
         // The price of a slope in each block (Schwarz, Annals of Statistics 6, 1978).
         let price: f64 = sums[0].1.iter().map(|block| block.count.ln()).sum();
-        let pays = |sloped: &Place, times: f64| sloped.of_pixels + times * price < of_flat.of_pixels;
-        let apart = |a: &Place, b: &Place| (a.state.line.offset - b.state.line.offset).abs();
-        let (places, best) = if pays(&of_sloped, TEMPERATURE.get()) {
+        let pays = |sloped: &Candidate, times: f64| sloped.of_pixels + times * price < of_flat.of_pixels;
+        let apart = |a: &Candidate, b: &Candidate| (a.state.line.offset - b.state.line.offset).abs();
+        let (candidates, best) = if pays(&of_sloped, TEMPERATURE.get()) {
             self.background = Background::Sloped;
             (&sloped, of_sloped)
         } else {
-            let there = least(&mut sloped.iter().filter(|place| apart(place, &of_flat) < ELSEWHERE.get()));
+            let there =
+                least(&mut sloped.iter().filter(|candidate| apart(candidate, &of_flat) < ELSEWHERE.get()));
             let there = there.filter(|there| pays(there, SLOPE_TEMPERATURE.get()));
             self.sloped_at = there.map(|_| of_flat.state.line.offset);
             (&flat, of_flat)
         };
         // A blur that is not known yet turns a second minimum into a shoulder.
-        let other = least(&mut places.iter().filter(|place| {
-            apart(place, &best) >= ELSEWHERE.get() && place.cost < best.cost + AMBIGUOUS.get()
+        let other = least(&mut candidates.iter().filter(|candidate| {
+            apart(candidate, &best) >= ELSEWHERE.get() && candidate.cost < best.cost + AMBIGUOUS.get()
         }));
-        [Some(best), other].into_iter().flatten().map(|place| place.state).collect()
+        [Some(best), other].into_iter().flatten().map(|candidate| candidate.state).collect()
     }
 
-    /// What speaks against the place where the limb is by the blocks that the scan compared places by, some of which the profile
+    /// What speaks against the position where the limb is by the blocks that the scan compared positions by, some of which the profile
     /// does not reach where the line ran away.
     pub fn cost(&self, blocks: &[BlockSums]) -> f64 {
         if blocks.len() < self.scanned_blocks {
             return RAN_AWAY;
         }
-        self.place(blocks, self.state, self.background).cost
+        self.candidate(blocks, self.state, self.background).cost
     }
 
-    /// A place, and what speaks against it.
-    fn place(&self, blocks: &[BlockSums], state: LimbState, background: Background) -> Place {
+    /// A candidate position, and what speaks against it.
+    fn candidate(&self, blocks: &[BlockSums], state: LimbState, background: Background) -> Candidate {
         let of_pixels = self.cost_of_pixels(blocks, &state, background);
         let cost = of_pixels / self.variance_inflation() + self.cost_of_expected(&state);
-        Place { state, of_pixels, cost }
+        Candidate { state, of_pixels, cost }
     }
 
     /// Twice the negative log-likelihood of what is expected of line and shading.
@@ -304,12 +306,12 @@ impl<'a> Limb<'a> {
         blocks.iter().filter_map(cost).sum()
     }
 
-    /// By how much the variance of what all blocks say about a place is larger than if their pixels were independent.
+    /// By how much the variance of what all blocks say about a position is larger than if their pixels were independent.
     fn variance_inflation(&self) -> f64 {
         self.scanned_blocks.max(1) as f64 / EFFECTIVE_BLOCKS.get()
     }
 
-    /// The shading with which about least speaks against a place.
+    /// The shading with which about least speaks against a position.
     fn best_shading(&self, blocks: &[BlockSums], background: Background) -> Vector2<f64> {
         let mut normal = Matrix2::identity() * (self.variance_inflation() * self.shading_deviation.powi(-2));
         let mut right = Vector2::zeros();
@@ -358,20 +360,20 @@ impl<'a> Limb<'a> {
 
     /// Adds the normal equations of this limb, its unknowns (offset, slope, shading) from `first` on.
     pub fn add_to(&self, normal: &mut SMatrix<f64, 9, 9>, right: &mut SVector<f64, 9>, first: usize) {
-        // Where the line at the place of a block, the blur and the shading stand, and how the offset and the slope move
+        // Where the line at the position of a block, the blur and the shading stand, and how the offset and the slope move
         // the line there.
         for block in &self.blocks {
             let factor = block.weight * (block.sigma * block.sigma) / block.variance();
-            let places = [
+            let entries = [
                 (first, 0, 1.0),
                 (first + 1, 0, block.s),
                 (BLUR, 1, 1.0),
                 (first + 2, 2, 1.0),
                 (first + 3, 3, 1.0),
             ];
-            for (row, i, of_row) in places {
+            for (row, i, of_row) in entries {
                 right[row] += block.gradient[i] * of_row * factor;
-                for (column, k, of_column) in places {
+                for (column, k, of_column) in entries {
                     normal[(row, column)] += block.information[(i, k)] * of_row * of_column * factor;
                 }
             }
@@ -405,11 +407,11 @@ impl<'a> Limb<'a> {
 
 /// The line through the shifts of two blocks that most others agree with.
 fn line_of_most_blocks(blocks: &[Block]) -> StripLine {
-    let places: List<Shift> = blocks
+    let shifts: List<Shift> = blocks
         .iter()
         .map(|block| Shift { s: block.s, shift: block.shift, variance: block.variance() })
         .collect();
-    Arch::new().dispatch(MostBlocks { places: &places })
+    Arch::new().dispatch(MostBlocks { shifts: &shifts })
 }
 
 /// Where a block sees the limb.
@@ -426,7 +428,7 @@ const LINES: usize = 8;
 /// The search of [`line_of_most_blocks`]. Plain loops, which the compiler makes the widest instructions of the machine of; they
 /// all round alike.
 struct MostBlocks<'a> {
-    places: &'a [Shift],
+    shifts: &'a [Shift],
 }
 
 impl WithSimd for MostBlocks<'_> {
@@ -435,20 +437,20 @@ impl WithSimd for MostBlocks<'_> {
     #[inline(always)]
     #[allow(clippy::needless_range_loop, reason = "closures are not inlined for sure")]
     fn with_simd<S: Simd>(self, _simd: S) -> StripLine {
-        let Self { places } = self;
-        let stride = places.len().div_ceil(MOST_HYPOTHESES.count());
+        let Self { shifts } = self;
+        let stride = shifts.len().div_ceil(MOST_HYPOTHESES.count());
         let (mut best, mut least) = (StripLine::default(), f64::INFINITY);
-        for i in (0..places.len()).step_by(stride) {
-            let one = places[i];
+        for i in (0..shifts.len()).step_by(stride) {
+            let one = shifts[i];
             for first in (0..i).step_by(stride * LINES) {
                 // The line of a block with itself is none, and costs no number.
                 let (mut offset, mut slope, mut cost) = ([0.0; LINES], [0.0; LINES], [0.0; LINES]);
                 for k in 0..LINES {
-                    let other = places[(first + k * stride).min(i)];
+                    let other = shifts[(first + k * stride).min(i)];
                     slope[k] = (one.shift - other.shift) / (one.s - other.s);
                     offset[k] = one.shift - slope[k] * one.s;
                 }
-                for Shift { s, shift, variance } in places {
+                for Shift { s, shift, variance } in shifts {
                     for k in 0..LINES {
                         let distance = shift - (offset[k] + slope[k] * s);
                         let square = distance * distance / variance;

@@ -107,7 +107,7 @@ pub struct LimbSearch {
     /// [`LimbFrame::limb_lines`]: 4 for a fit with segments set by hand, 8 for a fit of points alone.
     pub reach: [f64; 2],
     /// Standard deviation of the limbs of the cylinder, in pixels, in the same order. A clear limb is found
-    /// anywhere in reach; a faint one is believed near the expected place only.
+    /// anywhere in reach; a faint one is believed near the expected position only.
     pub deviation: [f64; 2],
     /// Limbs of which nothing is seen because something in front covers them: an edge there is not theirs.
     pub covered: [bool; 2],
@@ -144,7 +144,7 @@ pub enum NotVisible {
     Uncertain,
     /// A small part of the line carries it all.
     Patchy,
-    /// The other limb was found at the same place, and more certainly.
+    /// The other limb was found at the same position, and more certainly.
     SameLine,
 }
 
@@ -223,12 +223,13 @@ impl LimbObservation {
     /// The same in pixels of the image, of whose boxes of `factor` columns and rows it was in pixels.
     fn enlarged(mut self, factor: usize) -> Self {
         let ratio = factor as f64;
-        let place = |place: Vector2<f64>| place.map(|x| from_reduced(x, factor));
-        let enlarged = |line: LimbLine| LimbLine { ends: line.ends.map(place), sigma: line.sigma * ratio };
+        let in_pixels = |position: Vector2<f64>| position.map(|x| from_reduced(x, factor));
+        let enlarged =
+            |line: LimbLine| LimbLine { ends: line.ends.map(in_pixels), sigma: line.sigma * ratio };
         self.line = self.line.map(enlarged);
         self.of_few = self.of_few.map(enlarged);
         for sample in &mut self.samples {
-            sample.position = place(sample.position);
+            sample.position = in_pixels(sample.position);
             sample.sigma *= ratio;
         }
         let own = |blur: f64| ((blur * ratio).powi(2) - box_blur(factor).powi(2)).max(0.0).sqrt();
@@ -451,7 +452,7 @@ fn samples(limb: &Limb<'_>, baseline: &Baseline) -> List<LimbSample> {
     limb.blocks.iter().map(sample).collect()
 }
 
-/// Refuses the less certain of two limbs found at one place, within some pixels.
+/// Refuses the less certain of two limbs found at one position, within some pixels.
 fn drop_same_line(observations: &mut [LimbObservation; 2], apart: f64) {
     let [Ok(first), Ok(second)] = [observations[0].line, observations[1].line] else { return };
     if second.ends.iter().all(|q| across(&first.ends, q).abs() < apart) {

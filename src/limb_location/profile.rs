@@ -215,12 +215,12 @@ impl Kernel {
     /// A blur by its standard deviation in pixels, with a window that is widened by `margin` on both sides.
     pub fn new(blur: f64, margin: f64) -> Self {
         let taps = (TAIL.get() * blur / STEP.get()).ceil() as i32;
-        let place = |k: i32| f64::from(k) * STEP.get() / blur;
+        let position = |k: i32| f64::from(k) * STEP.get() / blur;
         // The same on both sides.
-        let half: List<f64> = (0..=taps).map(place).map(|x| (-x * x / 2.0).exp()).collect();
+        let half: List<f64> = (0..=taps).map(position).map(|x| (-x * x / 2.0).exp()).collect();
         let mut weights = List::with_capacity(2 * taps as usize + 1);
         weights.extend((-taps..=taps).map(|k| {
-            let (x, g) = (place(k), half[k.unsigned_abs() as usize]);
+            let (x, g) = (position(k), half[k.unsigned_abs() as usize]);
             [g, x / blur * g, (x * x - 1.0) / blur * g]
         }));
         let sum: f64 = weights.iter().map(|k| k[0]).sum();
@@ -313,7 +313,7 @@ impl<Row: Send + 'static> Table<Row> {
         (u - self.first) / STEP.get()
     }
 
-    /// The two rows beside a place so many rows from the first one, and the part of the way from the first to the second; `None`
+    /// The two rows beside a position so many rows from the first one, and the part of the way from the first to the second; `None`
     /// outside the table.
     #[inline(always)]
     pub fn beside(&self, x: f64) -> Option<(&Row, &Row, f64)> {
@@ -339,11 +339,11 @@ fn sine_up_to(u: f64, radius: f64) -> f64 {
 
 /// The expected brightness without blur, averaged over a cell by its inner part: it has an infinite slope at the limb, as θ has.
 fn expected((low, high): (f64, f64), radius: f64, shading: &LimbShading) -> f64 {
-    let places = 8;
-    let place = |j: usize| low + (high - low) * (j as f64 + 0.5) / places as f64;
+    let samples = 8;
+    let position = |j: usize| low + (high - low) * (j as f64 + 0.5) / samples as f64;
     let inner = (high - low) / STEP.get();
     if inner > 0.0 {
-        inner * (0..places).map(|j| shading.at(place(j) / radius)).sum::<f64>() / places as f64
+        inner * (0..samples).map(|j| shading.at(position(j) / radius)).sum::<f64>() / samples as f64
     } else {
         0.0
     }

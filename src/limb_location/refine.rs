@@ -23,25 +23,25 @@ constants! {
     /// Gauss–Newton steps at most; five to eight are usual.
     STEPS = 15.0, "";
 
-    /// Steps after which a place of the limbs is dropped that is worse than the best so far by more than `AMBIGUOUS`, and from
+    /// Steps after which a position of the limbs is dropped that is worse than the best so far by more than `AMBIGUOUS`, and from
     /// which on the same pixels are looked at while the lines hardly move.
     FIRST_STEPS = 4.0, "";
 
     /// The iteration ends when no line moves by more, in pixels.
     SETTLED = 1e-3, "px";
 
-    /// The same where a limb is known from another image: a seventh of what its pixels do not show. No other place waits to
+    /// The same where a limb is known from another image: a seventh of what its pixels do not show. No other position waits to
     /// be told apart.
     SETTLED_AGAIN = 1e-2, "px";
 
-    /// Places this close to each other are one, in pixels.
-    SAME_PLACE = 0.1, "px";
+    /// Positions this close to each other are one, in pixels.
+    SAME_POSITION = 0.1, "px";
 
     /// The standard deviation of the offset of a line that moves when less of its surroundings is looked at, in parts of
     /// what it moves: the windows show a part of what is wrong.
     LEFT_OUT = 1.4, "";
 
-    /// The part that one place has of the weight of all from which on the limbs can be nowhere else.
+    /// The part that one position has of the weight of all from which on the limbs can be nowhere else.
     UNAMBIGUOUS = 0.99, "";
 }
 
@@ -107,7 +107,7 @@ pub(super) fn refine(limbs: &mut [Limb<'_>], stated_blur: f64) -> RefinedImage {
 
 /// Refines limbs that are about where they are expected, from the blur of another image of a sequence; returns the blur.
 /// `None` where a line goes farther than `reach` from there. Where they are at `rest` the pixels about their lines there are
-/// looked at from the first step on: no other place is near, and those that come and go with each step kept them from settling.
+/// looked at from the first step on: no other position is near, and those that come and go with each step kept them from settling.
 pub(super) fn refine_again(
     limbs: &mut [Limb<'_>],
     stated_blur: f64,
@@ -183,7 +183,7 @@ impl ExpectedBlur {
     }
 }
 
-/// One of several places where the limbs may be.
+/// One of several positions where the limbs may be.
 struct Mode<'a> {
     cost: f64,
     limbs: SmallVec<[Limb<'a>; 2]>,
@@ -224,9 +224,9 @@ impl Mode<'_> {
         let mut pairs = self.limbs.iter().zip(limbs);
         let along = |lines: &List<StripLine>| {
             let mut pairs = limbs.iter().zip(lines);
-            pairs.all(|(limb, line)| limb.is_along(line, SAME_PLACE.get()))
+            pairs.all(|(limb, line)| limb.is_along(line, SAME_POSITION.get()))
         };
-        pairs.all(|(a, b)| (a.state.line.offset - b.state.line.offset).abs() < SAME_PLACE.get())
+        pairs.all(|(a, b)| (a.state.line.offset - b.state.line.offset).abs() < SAME_POSITION.get())
             || self.path.iter().any(along)
     }
 }
@@ -243,7 +243,7 @@ fn cost(limbs: &[Limb<'_>], blur: f64, windows: &[Near]) -> f64 {
 }
 
 /// Gauss–Newton steps from where the limbs are until they have settled; returns the blur, and the lines after each step.
-/// `None` where they come to a place that is known, or that led to one, or to one that is far worse.
+/// `None` where they come to a position that is known, or that led to one, or to one that is far worse.
 fn follow(
     limbs: &mut [Limb<'_>],
     expected: &ExpectedBlur,
@@ -439,7 +439,7 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_ran_away_is_no_place_of_a_limb() {
+    fn a_line_that_ran_away_is_no_position_of_a_limb() {
         let scene = Scene { contrast: 100.0, noise: 1.0, shadow: 0.0 };
         let costs = with_limb(&scene.image(1), scene.noise, LENGTH, |mut limb| {
             let windows = [(); 2].map(|()| Near::new(limb.strip, &limb.state.line, Window::full()));
@@ -455,7 +455,7 @@ mod tests {
     }
 
     #[test]
-    fn more_blocks_are_no_more_certain_of_a_place() {
+    fn more_blocks_are_no_more_certain_of_a_position() {
         let scene = Scene { contrast: 20.0, noise: 3.0, shadow: 0.0 };
         let [short, long] = [0.5, 1.0].map(|part| {
             with_limb(&scene.image(1), scene.noise, part * LENGTH, |mut limb| {

@@ -7,7 +7,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask, pixel_at};
-use crate::statistics::{at_both_ends, ends, median};
+use crate::statistics::{at_both_ends, median, min_max_of};
 use nalgebra::Vector2;
 use smallvec::SmallVec;
 
@@ -30,7 +30,7 @@ constants! {
     WITHIN = 2.0, "σ";
 }
 
-/// At how many places beyond the edge of a mask, and within it, depths are compared.
+/// At how many positions beyond the edge of a mask, and within it, depths are compared.
 const COMPARED: usize = 3;
 
 /// The positions along the axis, measured from its point, that pixels of the (distorted) image reach on the
@@ -130,7 +130,7 @@ impl<'a> Outline<'a> {
             let from_center = pixel.position - center;
             (from_center.dot(&along), from_center.dot(&normal))
         };
-        let [low, high] = ends(self.pixels.iter().map(|pixel| coordinates(pixel).0));
+        let [low, high] = min_max_of(self.pixels.iter().map(|pixel| coordinates(pixel).0));
         let margin = MARGIN.get() * (high - low);
         let (low, high) = (low + margin, high - margin);
         let count = (high - low).floor();
@@ -254,11 +254,11 @@ fn covered(mask: &Mask, depth: &DepthImage, (x, y): (usize, usize), noise: &Imag
     }
     let Some(outward) = outward.try_normalize(0.0) else { return false };
     let middle = |side: f64| {
-        let places = noise.beyond().into_iter().take(COMPARED).filter_map(|distance| {
+        let beyond = noise.beyond().into_iter().take(COMPARED).filter_map(|distance| {
             let (x, y) = pixel_at(&(Vector2::new(x as f64, y as f64) + outward * (side * distance)))?;
             depth.depth(x, y)
         });
-        let mut depths: SmallVec<[f64; COMPARED]> = places.collect();
+        let mut depths: SmallVec<[f64; COMPARED]> = beyond.collect();
         depths.sort_unstable_by(f64::total_cmp);
         depths.get(depths.len() / 2).copied()
     };

@@ -91,7 +91,7 @@ impl Angle {
         Self { cos, sin }
     }
 
-    /// That of the place at the distance `w` inside the limb at ± 90°, in units of the radius.
+    /// That of the position at the distance `w` inside the limb at ± 90°, in units of the radius.
     fn within(side: f64, w: f64) -> Self {
         let across = 1.0 - w.clamp(0.0, 1.0);
         Self { cos: ((1.0 - across) * (1.0 + across)).sqrt(), sin: side * across }
@@ -105,9 +105,9 @@ impl Shading {
 
     /// What to expect of the limb at φ = ± 90° of a cylinder of some radius in pixels.
     pub fn near_limb(&self, side: f64, radius: f64) -> LimbShading {
-        let places = 16;
-        let angle = |k: usize| Angle::within(side, INSIDE.get() / radius * (k as f64 + 0.5) / places as f64);
-        let mean = (0..places).map(|k| self.at(&angle(k)).max(0.0)).sum::<f64>() / places as f64;
+        let samples = 16;
+        let angle = |k: usize| Angle::within(side, INSIDE.get() / radius * (k as f64 + 0.5) / samples as f64);
+        let mean = (0..samples).map(|k| self.at(&angle(k)).max(0.0)).sum::<f64>() / samples as f64;
         let mean = mean.max(DARKEST.get());
         let at_limb = self.lamp.functions(&Angle::new(side * FRAC_PI_2));
         let spread = self.spread[usize::from(side > 0.0)];
@@ -205,7 +205,7 @@ struct Sums {
     white: f64,
 }
 
-/// Adds the pixels of a run, which are at some places across the cylinder, to bins that begin and end at some limits.
+/// Adds the pixels of a run, which are at some positions across the cylinder, to bins that begin and end at some limits.
 fn add_to_bins(across: &[f64], run: Pixels<'_>, limits: &[f64], sums: &mut [Sums]) {
     let mut bin = 0;
     for ((&across, value), &saturated) in across.iter().zip(run.values).zip(run.saturated) {

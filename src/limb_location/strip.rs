@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::ReducedImage;
-use crate::statistics::{DEVIATION_OF_MEDIAN, ends_of, lower_quartile_size, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, lower_quartile_absolute, median_absolute, min_max};
 use nalgebra::Vector2;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -143,7 +143,8 @@ impl Strip {
     /// The smallest and the largest s of any pixel that [`Strip::gather`] would gather; `None` without pixels.
     pub fn extent_of(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<[f64; 2]> {
         // Along a run s rises or falls, but for what is less than a hundredth of a pixel.
-        let ends = |run: &Run| [run.pixels.start, run.pixels.end - 1].map(|cross| run.place(cross as f64).0);
+        let ends =
+            |run: &Run| [run.pixels.start, run.pixels.end - 1].map(|cross| run.position(cross as f64).0);
         let runs = runs(grid, baseline, half_width);
         let s = || runs.iter().flat_map(ends);
         let extent = [s().fold(f64::INFINITY, f64::min), s().fold(f64::NEG_INFINITY, f64::max)];
@@ -203,14 +204,14 @@ impl Strip {
             return grid.noise.value;
         }
         let floor = (1e-3 * self.contrast()).max(f64::MIN_POSITIVE).max(grid.least_noise);
-        let own =
-            DEVIATION_OF_MEDIAN * median_size(self.second_differences(1).iter().copied()) / 6.0_f64.sqrt();
+        let own = DEVIATION_OF_MEDIAN * median_absolute(self.second_differences(1).iter().copied())
+            / 6.0_f64.sqrt();
         if grid.image.factor() == 1 {
             return own.max(floor);
         }
         // On a reduced grid neighbours are correlated.
         let [near, far] =
-            [1, 2].map(|step| lower_quartile_size(self.second_differences(step).iter().copied()));
+            [1, 2].map(|step| lower_quartile_absolute(self.second_differences(step).iter().copied()));
         let alike = (far / near).max(1.0);
         let alike = if alike.is_finite() { alike } else { 1.0 };
         (own * alike).max(floor)
@@ -238,7 +239,7 @@ impl Strip {
 
     /// Range of the values.
     pub fn contrast(&self) -> f64 {
-        let [least, most] = ends_of(&self.values);
+        let [least, most] = min_max(&self.values);
         most - least
     }
 }
@@ -253,7 +254,7 @@ struct Run {
     reach: f64,
     pixels: Range<usize>,
     /// (s, u) at its ends and in the middle.
-    places: [(f64, f64); 3],
+    positions: [(f64, f64); 3],
 }
 
 /// The runs about a baseline in their order along it, each with at least one pixel.
@@ -305,33 +306,33 @@ impl Run {
             let ideal = camera.ideal_pixel(&camera.unproject(&pixel)?)?;
             Some(baseline.coordinates(&ideal))
         };
-        let places = [at(center - reach)?, at(center)?, at(center + reach)?];
+        let positions = [at(center - reach)?, at(center)?, at(center + reach)?];
         let count = if steep { image.width() } else { image.height() };
         let first = (center - reach).ceil().max(0.0) as usize;
         let end = (((center + reach).floor() + 1.0).max(0.0) as usize).min(count);
-        (first < end).then_some(Self { steep, line, center, reach, pixels: first..end, places })
+        (first < end).then_some(Self { steep, line, center, reach, pixels: first..end, positions })
     }
 
     /// Whether u falls along it.
     fn is_reversed(&self) -> bool {
-        self.places[2].1 < self.places[0].1
+        self.positions[2].1 < self.positions[0].1
     }
 
     /// (s, u) of a pixel. Through the lens the coordinates change smoothly along a run: a parabola through three of them is
     /// exact to 1e-3 pixels.
     #[inline(always)]
-    fn place(&self, cross: f64) -> (f64, f64) {
-        let [before, here, after] = self.places;
+    fn position(&self, cross: f64) -> (f64, f64) {
+        let [before, here, after] = self.positions;
         let x = (cross - self.center) / self.reach;
         let parabola = |a: f64, b: f64, c: f64| b + (c - a) / 2.0 * x + ((a + c) / 2.0 - b) * x * x;
         (parabola(before.0, here.0, after.0), parabola(before.1, here.1, after.1))
     }
 }
 
-/// Places that are computed in one go.
+/// Positions that are computed in one go.
 const BLOCK: usize = 32;
 
-/// Appends the pixels of a run. Plain loops, of a known length for their places, which the compiler makes the widest instructions of
+/// Appends the pixels of a run. Plain loops, of a known length for their positions, which the compiler makes the widest instructions of
 /// the machine of; they all round alike.
 struct Read<'a> {
     run: &'a Run,
@@ -348,7 +349,7 @@ impl WithSimd for Read<'_> {
         let (mut some_s, mut some_u) = ([0.0; BLOCK], [0.0; BLOCK]);
         for first in run.pixels.clone().step_by(BLOCK) {
             for k in 0..BLOCK {
-                (some_s[k], some_u[k]) = run.place(first as f64 + f64::from(k as u32));
+                (some_s[k], some_u[k]) = run.position(first as f64 + f64::from(k as u32));
             }
             let count = BLOCK.min(run.pixels.end - first);
             s.extend_from_slice(&some_s[..count]);

@@ -191,8 +191,8 @@ const RUN: usize = 32;
 
 /// Which of some pixels side by side have a usable depth.
 struct Run {
-    /// Their places and depths, as many as there are.
-    places: [usize; RUN],
+    /// Their offsets from the first pixel and their depths, as many as there are.
+    offsets: [usize; RUN],
     depths: [f64; RUN],
     count: usize,
     no_depth: usize,
@@ -203,23 +203,23 @@ impl Run {
     /// Of stored values, of which a mask may select some. Without branches: nobody could predict where a depth is missing.
     #[inline(always)]
     fn new(values: &[f32], set: Option<&[bool]>, scale: f64, range: &DepthRange) -> Self {
-        let (mut places, mut depths) = ([0; RUN], [0.0; RUN]);
+        let (mut offsets, mut depths) = ([0; RUN], [0.0; RUN]);
         let (mut count, mut measured, mut selected) = (0, 0, 0);
         for (k, (value, set)) in values.iter().zip(set.unwrap_or(&[true; RUN])).enumerate() {
             let depth = f64::from(*value) * scale;
             let has_depth = set & (*value > 0.0);
             // There are never more than a run has; the compiler can't know it.
-            (places[count % RUN], depths[count % RUN]) = (k, depth);
+            (offsets[count % RUN], depths[count % RUN]) = (k, depth);
             selected += usize::from(*set);
             measured += usize::from(has_depth);
             count += usize::from(has_depth & (range.min <= depth) & (depth <= range.max));
         }
-        Self { places, depths, count, no_depth: selected - measured, out_of_range: measured - count }
+        Self { offsets, depths, count, no_depth: selected - measured, out_of_range: measured - count }
     }
 
-    /// Their places and depths.
+    /// Their offsets from the first pixel and their depths.
     fn usable(&self) -> (&[usize], &[f64]) {
-        (&self.places[..self.count], &self.depths[..self.count])
+        (&self.offsets[..self.count], &self.depths[..self.count])
     }
 }
 
@@ -379,20 +379,20 @@ impl<'a> BackProjection<'a> {
         let run = Run::new(&self.depth.values[pixels], set, self.depth.scale, self.range);
         batch.dropped.no_depth += run.no_depth;
         batch.dropped.out_of_range += run.out_of_range;
-        let (places, depths) = run.usable();
+        let (offsets, depths) = run.usable();
         let (mut of_x, mut of_y) = ([0.0; RUN], [0.0; RUN]);
         let known = match &self.rays {
             _ if self.to_color.is_some() => false,
             Some((of_columns, of_rows)) => {
                 let rays = &of_columns[columns.clone()];
-                of_x.iter_mut().zip(places).for_each(|(ray, k)| *ray = rays[*k]);
+                of_x.iter_mut().zip(offsets).for_each(|(ray, k)| *ray = rays[*k]);
                 of_y = [of_rows[row]; RUN];
                 true
             }
-            None => self.sensor.take_known_rays((columns.start, row), places, &mut of_x, &mut of_y),
+            None => self.sensor.take_known_rays((columns.start, row), offsets, &mut of_x, &mut of_y),
         };
         if !known {
-            let measured = places.iter().zip(depths);
+            let measured = offsets.iter().zip(depths);
             measured.for_each(|(k, depth)| self.add_point(batch, columns.start + k, row, *depth));
             return;
         }
@@ -400,7 +400,7 @@ impl<'a> BackProjection<'a> {
         x.extend(of_x.iter().zip(depths).map(|(ray, depth)| ray * depth));
         y.extend(of_y.iter().zip(depths).map(|(ray, depth)| ray * depth));
         z.extend_from_slice(depths);
-        batch.pixels.extend(places.iter().map(|k| [(columns.start + k) as u32, row as u32]));
+        batch.pixels.extend(offsets.iter().map(|k| [(columns.start + k) as u32, row as u32]));
     }
 
     /// The point at a depth, unless the sensor has no ray there.

@@ -117,11 +117,11 @@ impl GreyImage {
     #[inline]
     pub(super) fn pixel(&self, column: usize, row: usize) -> (f32, bool) {
         assert!(column < self.width, "column {column} of {}", self.width);
-        let place = row * self.width + column;
-        let value = self.values[place];
+        let index = row * self.width + column;
+        let value = self.values[index];
         let saturated = match &self.saturation {
             Saturation::From(white) => value >= *white,
-            Saturation::Marked(marked) => marked[place],
+            Saturation::Marked(marked) => marked[index],
         };
         (value, saturated)
     }
@@ -138,30 +138,30 @@ impl GreyImage {
     ) {
         let (first, step) = if is_row { (line * self.width, 1) } else { (line, self.width) };
         let first = first + step * pixels.start;
-        let places = || (first..).step_by(step).take(pixels.len());
+        let indices = || (first..).step_by(step).take(pixels.len());
         match is_row {
             true => values.extend(self.row(line)[pixels.clone()].iter().map(|value| f64::from(*value))),
-            false => values.extend(places().map(|place| f64::from(self.values[place]))),
+            false => values.extend(indices().map(|index| f64::from(self.values[index]))),
         }
         match &self.saturation {
             Saturation::From(white) => {
                 let own = &values[values.len() - pixels.len()..];
                 saturated.extend(own.iter().map(|value| *value >= f64::from(*white)));
             }
-            Saturation::Marked(marked) => saturated.extend(places().map(|place| marked[place])),
+            Saturation::Marked(marked) => saturated.extend(indices().map(|index| marked[index])),
         }
     }
 
-    /// The squares of pixels that some places x, y are in. All of them must be inside the image.
+    /// The squares of pixels that some positions x, y are in. All of them must be inside the image.
     #[inline(always)]
     pub(super) fn read_squares(&self, x: &[f64], y: &[f64], squares: &mut Squares) {
         squares.resize(x.len());
         let Squares { above, below, saturated } = squares;
         // Not negative, numbers become those below them.
-        let place = |(x, y): (&f64, &f64)| *y as u32 as usize * self.width + *x as u32 as usize;
-        for ((place, above), below) in x.iter().zip(y).map(place).zip(above.iter_mut()).zip(below.iter_mut())
+        let index = |(x, y): (&f64, &f64)| *y as u32 as usize * self.width + *x as u32 as usize;
+        for ((index, above), below) in x.iter().zip(y).map(index).zip(above.iter_mut()).zip(below.iter_mut())
         {
-            let pixels = &self.values[place..place + self.width + 2];
+            let pixels = &self.values[index..index + self.width + 2];
             (*above, *below) = ([pixels[0], pixels[1]], [pixels[self.width], pixels[self.width + 1]]);
         }
         match &self.saturation {
@@ -171,9 +171,9 @@ impl GreyImage {
                 }
             }
             Saturation::Marked(marked) => {
-                for (saturated, place) in saturated.iter_mut().zip(x.iter().zip(y).map(place)) {
-                    let below = place + self.width;
-                    *saturated = marked[place] | marked[place + 1] | marked[below] | marked[below + 1];
+                for (saturated, index) in saturated.iter_mut().zip(x.iter().zip(y).map(index)) {
+                    let below = index + self.width;
+                    *saturated = marked[index] | marked[index + 1] | marked[below] | marked[below + 1];
                 }
             }
         }

@@ -27,7 +27,7 @@ pub use image::GreyImage;
 pub use mask::Mask;
 use nalgebra::Vector2;
 pub(crate) use points::check_weights;
-pub(crate) use points::{ENOUGH, are_many, spread};
+pub(crate) use points::{ENOUGH_POINTS_TO_FIT, are_many, spread};
 pub use points::{Offsets, PointCloud};
 pub(crate) use reduced::Squares;
 pub use reduced::{ReducedImage, from_reduced};
@@ -37,10 +37,10 @@ pub use strided::{Scalar, Strided};
 pub(crate) use views::LARGEST_INTEGER;
 pub use views::{DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, VectorsView};
 
-/// The column and the row of the pixel at a place; `None` left of the image or above it.
+/// The column and the row of the pixel at a position; `None` left of the image or above it.
 #[inline]
-pub(crate) fn pixel_at(place: &Vector2<f64>) -> Option<(usize, usize)> {
-    let (x, y) = (place.x + 0.5, place.y + 0.5);
+pub(crate) fn pixel_at(position: &Vector2<f64>) -> Option<(usize, usize)> {
+    let (x, y) = (position.x + 0.5, position.y + 0.5);
     // The conversion rounds down; `f64::round` is a call.
     (x > 0.0 && y > 0.0).then_some((x as usize, y as usize))
 }

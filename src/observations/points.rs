@@ -11,7 +11,7 @@ use super::views::PointsView;
 use crate::error::{Error, Result, reserve};
 use crate::memory::List;
 use nalgebra::{Matrix3, Vector3};
-pub(crate) use part::{ENOUGH, are_many, spread};
+pub(crate) use part::{ENOUGH_POINTS_TO_FIT, are_many, spread};
 use pulp::Arch;
 use sums::{Along, Moments};
 
@@ -266,8 +266,8 @@ impl PointCloud {
         }
         let count = numbers.len();
         // Most clouds are a single row, and a division takes longer than all else that is done with a point.
-        let place = |number| if height == 1 { (number, 0) } else { (number % width, number / width) };
-        self.push_some(view, Some((count, numbers.map(place))))
+        let pixel = |number| if height == 1 { (number, 0) } else { (number % width, number / width) };
+        self.push_some(view, Some((count, numbers.map(pixel))))
     }
 
     /// Copies the usable points of so many pixels, or of all.
@@ -335,13 +335,14 @@ impl PointCloud {
         self.listed(&(0..self.len()).filter(|&index| choose(index)).collect::<List<_>>())
     }
 
-    /// The points whose places along a direction, from the origin of the cloud, lie between two bounds.
+    /// The points whose positions along a direction, from the origin of the cloud, lie between two bounds.
     pub(crate) fn between(&self, direction: &Vector3<f64>, [low, high]: [f64; 2]) -> Self {
         let (mut indices, mut first) = (List::new(), 0);
-        let block = |places: &[f64]| {
-            let inside = places.iter().enumerate().filter(|(_, place)| (low..=high).contains(*place));
+        let block = |positions: &[f64]| {
+            let inside =
+                positions.iter().enumerate().filter(|(_, position)| (low..=high).contains(*position));
             indices.extend(inside.map(|(k, _)| first + k));
-            first += places.len();
+            first += positions.len();
         };
         let direction = (*direction).into();
         match self.offsets() {

@@ -112,7 +112,7 @@ impl<'a> ReducedImage<'a> {
         }
     }
 
-    /// The squares of pixels that some places x, y are in. All of them must be inside the image.
+    /// The squares of pixels that some positions x, y are in. All of them must be inside the image.
     #[inline(always)]
     pub(crate) fn read_squares(&self, x: &[f64], y: &[f64], squares: &mut Squares) {
         if self.factor == 1 {
@@ -148,10 +148,10 @@ impl<'a> ReducedImage<'a> {
     }
 }
 
-/// The place on the grid of an image of a place on that of boxes of `factor` pixels each.
+/// The position on the grid of an image of a position on that of boxes of `factor` pixels each.
 #[must_use]
-pub fn from_reduced(place: f64, factor: usize) -> f64 {
-    factor as f64 * (place + 0.5) - 0.5
+pub fn from_reduced(position: f64, factor: usize) -> f64 {
+    factor as f64 * (position + 0.5) - 0.5
 }
 
 #[cfg(test)]
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_those_of_pixel_centres() {
+    fn positions_are_those_of_pixel_centres() {
         assert_eq!(from_reduced(0.0, 2), 0.5);
         assert_eq!(from_reduced(-0.5, 4), -0.5);
         assert_eq!(from_reduced(3.25, 1), 3.25);

@@ -79,10 +79,10 @@ impl Registration {
         let mut above: Vec<Option<Vector2<f64>>> = reserved(width + 1, None)?;
         let mut below: Vec<Option<Vector2<f64>>> = reserved(width + 1, None)?;
         let translation = own.to_color.translation();
-        let place = |depth: f64, ray: Vector3<f64>| ray * depth + translation;
+        let point_at = |depth: f64, ray: Vector3<f64>| ray * depth + translation;
         let corner = |column: usize, row: usize, from: Option<f64>| {
             let depth = surface.corner(depth, column, row, from)?;
-            camera.project(&place(depth, rays.at(column as f64, row as f64)?))
+            camera.project(&point_at(depth, rays.at(column as f64, row as f64)?))
         };
         for row in 0..height {
             if row == 0 {
@@ -95,7 +95,7 @@ impl Registration {
                 let index = row * width + column;
                 let Some(z) = depth.depth_at(index) else { continue };
                 let Some(ray) = rays.at(column as f64 + 0.5, row as f64 + 0.5) else { continue };
-                let point = place(z, ray);
+                let point = point_at(z, ray);
                 if let Some(pixel) = camera.project(&point).filter(|pixel| camera.contains(pixel)) {
                     pixels[index] = splat.index(&pixel);
                 }
@@ -122,7 +122,7 @@ impl Registration {
                     continue;
                 }
                 let ray = rays.at(column as f64 + 0.5, row as f64 + 0.5);
-                let point = depth.depth_at(index).zip(ray).map(|(z, ray)| place(z, ray));
+                let point = depth.depth_at(index).zip(ray).map(|(z, ray)| point_at(z, ray));
                 let nearest = image.depth_at(pixels[index] as usize);
                 if let (Some(point), Some(nearest)) = (point, nearest)
                     && point.z - nearest > surface.tolerance(nearest)
@@ -264,7 +264,7 @@ impl<'a> Rays<'a> {
         Ok(rays)
     }
 
-    /// The ray at a place that is counted from the upper left corner of the image.
+    /// The ray at a position that is counted from the upper left corner of the image.
     fn exact(&self, x: f64, y: f64) -> Option<Vector3<f64>> {
         let ray = self.own.camera.unproject(&Vector2::new(x - 0.5, y - 0.5))?;
         Some(self.own.to_color.rotation() * ray)
@@ -300,9 +300,9 @@ impl Splat {
         Ok(Self { image: DepthImage::empty(width, height, 1.0)?, reach })
     }
 
-    /// The pixel that a place of the image is in, counted row by row.
-    fn index(&self, place: &Vector2<f64>) -> u32 {
-        let (column, row) = ((place.x + 0.5) as usize, (place.y + 0.5) as usize);
+    /// The pixel that a position of the image is in, counted row by row.
+    fn index(&self, position: &Vector2<f64>) -> u32 {
+        let (column, row) = ((position.x + 0.5) as usize, (position.y + 0.5) as usize);
         (row * self.image.width() + column) as u32
     }
 

@@ -13,15 +13,15 @@ const WIDEST: usize = 4;
 const EVERY: usize = 7;
 
 /// The distance within which half of the measured pixels of some lines have the next one, 1 for a neighbour; `None` where it is more than
-/// [`WIDEST`] or nothing was measured. A line has its values by their places.
+/// [`WIDEST`] or nothing was measured. A line has its values in the order of its pixels.
 fn spacing<'a>(lines: impl Iterator<Item = impl Iterator<Item = &'a f32>>) -> Option<usize> {
     let (mut measured, mut next) = (0, [0; WIDEST]);
     for line in lines {
         let mut last = None;
-        let places = line.enumerate().filter(|(_, value)| **value > 0.0);
-        for (place, _) in places {
+        let present = line.enumerate().filter(|(_, value)| **value > 0.0);
+        for (index, _) in present {
             measured += 1;
-            let count = last.replace(place).and_then(|last| next.get_mut(place - last - 1));
+            let count = last.replace(index).and_then(|last| next.get_mut(index - last - 1));
             count.into_iter().for_each(|count| *count += 1);
         }
     }
@@ -36,11 +36,11 @@ fn spacing<'a>(lines: impl Iterator<Item = impl Iterator<Item = &'a f32>>) -> Op
 /// A line whose pixels without a measurement have the nearest depth of the measured ones that are no farther away than half the spacing.
 fn filled(line: &[f32], spacing: usize) -> impl Iterator<Item = f32> {
     let (before, after) = (spacing / 2, (spacing - 1) / 2);
-    line.iter().enumerate().map(move |(place, &value)| {
+    line.iter().enumerate().map(move |(index, &value)| {
         if value > 0.0 {
             return value;
         }
-        let near = &line[place.saturating_sub(before)..(place + after + 1).min(line.len())];
+        let near = &line[index.saturating_sub(before)..(index + after + 1).min(line.len())];
         near.iter().copied().filter(|value| *value > 0.0).reduce(f32::min).unwrap_or(0.0)
     })
 }

@@ -55,7 +55,7 @@ impl<'a> PointsView<'a> {
         Self { points: VectorsView::packed(points, Scalar::F32), weights: None, normals: None }
     }
 
-    /// The same points as an organised cloud of so many columns, row by row.
+    /// These points as an organised cloud of `width` columns, row by row.
     ///
     /// # Errors
     /// `InvalidArgument` when the points do not fill such rows.
@@ -265,7 +265,7 @@ impl<'a> ImageView<'a> {
         Self { pixels, format, gamma: 1.0 }
     }
 
-    /// The same image with values that are coded with a gamma: light is the value to the power of `gamma`, and 0 is
+    /// This image with values that are coded with a gamma: light is the value to the power of `gamma`, and 0 is
     /// black. 1 stands for values linear in light; 2.2 for sRGB, in which cameras and image files usually come.
     ///
     /// # Errors

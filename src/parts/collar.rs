@@ -132,7 +132,7 @@ pub(super) fn collars(
             sides.iter().flatten().filter_map(|side| side.without(&stretches, Some(k), moved)).collect();
         let of_sides = step_of_sides(&sides, &slices, stretch, moved);
         let collar = Collar { stretch: slices.along(stretch, near), radius: radius + step.size };
-        let at_end = collar.stretch.iter().any(|place| place.is_infinite());
+        let at_end = collar.stretch.iter().any(|position| position.is_infinite());
         is_confirmed(step, of_sides, at_end).then_some(collar)
     });
     Some((found.collect(), ends))

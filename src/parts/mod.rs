@@ -3,7 +3,7 @@
 //!
 //! Masks drawn by people or networks cover whole objects. Along the axis the pixels of such a mask see the body, then
 //! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
-//! them apart pixel by pixel, and the place where the one turns into the other follows from all of them together.
+//! them apart pixel by pixel, and the position where the one turns into the other follows from all of them together.
 
 mod collar;
 mod outline;
@@ -16,7 +16,7 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use crate::statistics::{LOWER_QUARTILE, lower_quartile_size, median_and_deviation, ordered};
+use crate::statistics::{LOWER_QUARTILE, lower_quartile_absolute, median_and_deviation, ordered};
 pub use collar::Collar;
 use collar::collars;
 use nalgebra::Vector3;
@@ -238,7 +238,7 @@ impl Parts {
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 
-    /// The same of points alone, which do not tell where the body ends.
+    /// The parts of points alone, which do not tell where the body ends.
     #[must_use]
     pub fn of_points(cylinder: &Cylinder, points: impl Iterator<Item = Vector3<f64>>) -> Self {
         // Without a mask most of them may be of the background, which says nothing of the noise.
@@ -259,7 +259,7 @@ impl Parts {
         passes_between(&self.cylinder, ray, self.ends.map(|end| Some(end?.position)))
     }
 
-    /// The same without lids, rims and rings that are wider than the body.
+    /// Whether a ray passes the cylinder between its ends, lids, rims and rings that are wider than the body left out.
     #[must_use]
     pub fn within_body(&self, ray: &Vector3<f64>) -> bool {
         let beside = |collar: &Collar| {
@@ -331,9 +331,9 @@ fn along_the_axis(sights: &[Sight]) -> List<Sight> {
     // Numbers are moved about in place of whole sights.
     let mut order = List::filled(0_u128, sights.len());
     for (k, sight) in sights.iter().enumerate() {
-        let place = &mut ends[stretch(sight)];
-        order[*place] = u128::from(ordered(sight.position)) << 64 | k as u128;
-        *place += 1;
+        let next = &mut ends[stretch(sight)];
+        order[*next] = u128::from(ordered(sight.position)) << 64 | k as u128;
+        *next += 1;
     }
     let mut begin = 0;
     for end in &ends[..stretches] {
@@ -390,7 +390,7 @@ fn middles_of_rims(cylinder: &Cylinder, position: f64) -> Option<[Vector3<f64>; 
 
 /// How far points of the surface may be from it, by their distances and those of others.
 fn reach(cylinder: &Cylinder, distances: impl Iterator<Item = f64>) -> f64 {
-    let sigma = lower_quartile_size(distances) / LOWER_QUARTILE;
+    let sigma = lower_quartile_absolute(distances) / LOWER_QUARTILE;
     (REACH.get() * sigma).max(LEAST_REACH.get() * cylinder.radius)
 }
 

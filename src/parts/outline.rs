@@ -14,13 +14,13 @@ constants! {
     /// The part of the half width in which the outline is looked at: beside the limbs both rims are one.
     WIDTH_PART = 0.9, "";
 
-    /// Most places along the outline.
-    PLACES = 64.0, "";
+    /// Most samples along the outline.
+    SAMPLES = 64.0, "";
 
-    /// Fewest places.
-    LEAST_PLACES = 6.0, "";
+    /// Fewest samples.
+    LEAST_SAMPLES = 6.0, "";
 
-    /// Places farther inward from the rim than this many standard deviations are something else, all alike: something covers
+    /// Samples farther inward from the rim than this many standard deviations are something else, all alike: something covers
     /// the rim there.
     REACH = 3.0, "σ";
 
@@ -31,32 +31,32 @@ constants! {
     LEAST_GAIN = 1.0, "";
 }
 
-/// A place of the outline: where its ray meets near and far wall, along the axis, and by how much these positions change
+/// A sample of the outline: where its ray meets near and far wall, along the axis, and by how much these positions change
 /// from one pixel to the next.
 #[derive(Clone, Copy)]
-struct Place {
+struct Sample {
     positions: [f64; 2],
     steps: [f64; 2],
 }
 
-impl Place {
+impl Sample {
     /// How far it is from a rim at a position, in standard deviations.
     fn ratio(&self, wall: usize, position: f64, sigma: f64) -> f64 {
         (self.positions[wall] - position) / (self.steps[wall] * sigma)
     }
 }
 
-/// Where the search for a rim starts, as parts of the places ordered outward.
+/// Where the search for a rim starts, as parts of the samples ordered outward.
 const STARTS: [f64; 2] = [0.5, 0.875];
 
-/// The mean position of the places about a first one.
-fn mean_about(start: f64, places: &[Place], wall: usize, sigma: f64) -> f64 {
+/// The mean position of the samples about a first one.
+fn mean_about(start: f64, samples: &[Sample], wall: usize, sigma: f64) -> f64 {
     (0..3).fold(start, |position, _| {
-        let near = places.iter().filter(|place| place.ratio(wall, position, sigma).abs() <= REACH.get());
+        let near = samples.iter().filter(|sample| sample.ratio(wall, position, sigma).abs() <= REACH.get());
         let (mut sum, mut total) = (0.0, 0.0);
-        for place in near {
-            let weight = place.steps[wall].powi(-2);
-            sum += weight * place.positions[wall];
+        for sample in near {
+            let weight = sample.steps[wall].powi(-2);
+            sum += weight * sample.positions[wall];
             total += weight;
         }
         if total > 0.0 { sum / total } else { position }
@@ -102,18 +102,18 @@ impl<'a> Rims<'a> {
     /// or something else does. `before` is what else speaks for the far rim, as the logarithm of odds.
     pub fn far(&self, outward: f64, before: f64, noise: &ImageNoise) -> Option<f64> {
         let cylinder = self.cylinder;
-        let places = self.places(outward)?;
+        let samples = self.samples(outward)?;
         // The raster of the mask comes to its boundary.
         let sigma = noise.boundary.hypot(0.3);
         let walls = [0, 1].map(|wall| {
             let mut positions: List<f64> =
-                places.iter().map(|place| outward * place.positions[wall]).collect();
+                samples.iter().map(|sample| outward * sample.positions[wall]).collect();
             positions.sort_unstable_by(f64::total_cmp);
             // Where something stands on a cap, the rim is that of the few outermost.
             let starts = STARTS.map(|part| outward * positions[(part * positions.len() as f64) as usize]);
             let fits = starts.map(|start| {
-                let position = mean_about(start, &places, wall, sigma);
-                let ratios = places.iter().map(|place| outward * place.ratio(wall, position, sigma));
+                let position = mean_about(start, &samples, wall, sigma);
+                let ratios = samples.iter().map(|sample| outward * sample.ratio(wall, position, sigma));
                 (position, ratios.map(|ratio| ratio.clamp(-REACH.get(), BEYOND.get()).powi(2)).sum::<f64>())
             });
             let [median, outermost] = fits;
@@ -123,17 +123,17 @@ impl<'a> Rims<'a> {
         let [(_, near), (position, far)] = walls;
         // A cap is seen where it faces the camera.
         let faces = cylinder.end_faces_origin(position, outward);
-        // Neighbours share their error: about so many pixels of the outline come to one place.
-        let independent = (1.0 / noise.correlation).min(1.0) * (self.width / places.len() as f64);
+        // Neighbours share their error: about so many pixels of the outline come to one sample.
+        let independent = (1.0 / noise.correlation).min(1.0) * (self.width / samples.len() as f64);
         (faces && (near - far) * independent + before >= LEAST_GAIN.get()).then_some(position)
     }
 
     /// The outermost pixels of the mask, by where they are across the axis.
-    fn places(&self, outward: f64) -> Option<List<Place>> {
+    fn samples(&self, outward: f64) -> Option<List<Sample>> {
         let Self { camera, cylinder, pixels, width } = self;
-        // A place for every other pixel: the raster leaves no gaps then.
-        let count = (0.5 * width).min(PLACES.get()) as usize;
-        if count < LEAST_PLACES.count() {
+        // A sample for every other pixel: the raster leaves no gaps then.
+        let count = (0.5 * width).min(SAMPLES.get()) as usize;
+        if count < LEAST_SAMPLES.count() {
             return None;
         }
         let mut outermost: List<Option<(f64, Vector2<f64>)>> = List::filled(None, count);
@@ -143,7 +143,7 @@ impl<'a> Rims<'a> {
                 *best = Some((near, pixel));
             }
         }
-        let places: List<Place> = outermost
+        let samples: List<Sample> = outermost
             .iter()
             .flatten()
             .filter_map(|(near, pixel)| {
@@ -157,10 +157,10 @@ impl<'a> Rims<'a> {
                 let (positions, next) = (at(0.5)?, at(-0.5)?);
                 let steps = [0, 1].map(|wall| (positions[wall] - next[wall]).abs());
                 let whole = near.is_finite() && steps.iter().all(|step| *step > 0.0);
-                whole.then_some(Place { positions, steps })
+                whole.then_some(Sample { positions, steps })
             })
             .collect();
-        (places.len() >= LEAST_PLACES.count()).then_some(places)
+        (samples.len() >= LEAST_SAMPLES.count()).then_some(samples)
     }
 }
 

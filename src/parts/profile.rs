@@ -56,17 +56,17 @@ impl Slices {
         self.low + 0.5 * self.length * self.count as f64
     }
 
-    /// The places so near to one; what is at an end stays there.
-    pub(super) fn beside(&self, place: usize, near: usize) -> Range<usize> {
-        if place == 0 || place == self.count {
-            return place..place + 1;
+    /// The indices so near to one; what is at an end stays there.
+    pub(super) fn beside(&self, index: usize, near: usize) -> Range<usize> {
+        if index == 0 || index == self.count {
+            return index..index + 1;
         }
-        place.saturating_sub(near).max(1)..(place + near + 1).min(self.count)
+        index.saturating_sub(near).max(1)..(index + near + 1).min(self.count)
     }
 
     /// Where a stretch of them begins and ends along the axis; infinite beside an end.
     pub(super) fn along(&self, stretch: &Range<usize>, near: usize) -> [f64; 2] {
-        let at = |place: usize| self.low + place as f64 * self.length;
+        let at = |index: usize| self.low + index as f64 * self.length;
         let begin = if stretch.start <= near { f64::NEG_INFINITY } else { at(stretch.start) };
         let end = if stretch.end + near >= self.count { f64::INFINITY } else { at(stretch.end) };
         [begin, end]
@@ -78,12 +78,12 @@ impl Slices {
 pub(super) struct Profile {
     /// The weight and the median of each slice; no weight where it holds too little.
     slices: List<[f64; 2]>,
-    /// The weights of all slices before each one, and their sums with the place of a slice, from the mean place, and with how far it is off the line.
+    /// The weights of all slices before each one, and their sums with the index of a slice, from the mean index, and with how far it is off the line.
     sums: List<[f64; 3]>,
     /// The sums with the squares of these.
     squares: [f64; 2],
-    /// The mean place.
-    place: f64,
+    /// The mean index.
+    mean: f64,
     /// The least deviation of a slice.
     floor: f64,
 }
@@ -137,14 +137,13 @@ impl Profile {
         if full < LEAST_SLICES {
             return None;
         }
-        let [place, level] = [weighted(|x, _| x) / n, weighted(|_, y| y) / n];
-        let squares = weighted(|x, _| x * x) - n * place * place;
-        let slope = (weighted(|x, y| x * y) - n * place * level) / squares;
-        let mut profile =
-            Self { sums: List::from([[0.0; 3]]), squares: [squares, 0.0], place, floor, slices };
+        let [mean, level] = [weighted(|x, _| x) / n, weighted(|_, y| y) / n];
+        let squares = weighted(|x, _| x * x) - n * mean * mean;
+        let slope = (weighted(|x, y| x * y) - n * mean * level) / squares;
+        let mut profile = Self { sums: List::from([[0.0; 3]]), squares: [squares, 0.0], mean, floor, slices };
         let mut sum = [0.0; 3];
         for (x, [weight, y]) in profile.slices.iter().enumerate() {
-            let x = x as f64 - place;
+            let x = x as f64 - mean;
             let off = y - level - slope * x;
             let terms = [1.0, x, off];
             sum = [0, 1, 2].map(|k| sum[k] + weight * terms[k]);
@@ -230,7 +229,7 @@ impl Profile {
     pub(super) fn rough_step(&self, stretch: &Range<usize>) -> Option<Step> {
         let [up, freedom] = self.lever(stretch)?;
         let [n, _, _] = *self.sums.last()?;
-        // Two of the line, the step and its two places.
+        // Two of the line, the step and its two positions.
         let variance = ((self.squares[1] - up * up / freedom) / (n - 5.0)).max(self.floor * self.floor);
         Some(Step { size: up / freedom, deviation: (variance / freedom).sqrt() })
     }
@@ -245,7 +244,7 @@ impl Profile {
         let residuals = full.map(|(slice, [weight, _])| {
             let off = (self.sums[slice + 1][2] - self.sums[slice][2]) / weight;
             let inside = if stretch.contains(&slice) { 1.0 } else { 0.0 };
-            let x = slice as f64 - self.place;
+            let x = slice as f64 - self.mean;
             off - step.size * (inside - n_in / n - x * x_in / self.squares[0])
         });
         step.deviation /= independent_part(&residuals.collect::<List<f64>>()).sqrt();

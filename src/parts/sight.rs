@@ -18,15 +18,15 @@ pub(super) fn sights(
     cylinder: &Cylinder,
     pixels: impl Iterator<Item = (usize, usize)>,
 ) -> List<Sight> {
-    let (mut places, mut depths) = (List::new(), List::new());
+    let (mut chosen, mut depths) = (List::new(), List::new());
     // A loop over an iterator of iterators is slow to be asked one by one.
     pixels.for_each(|(column, row)| {
         if let Some(z) = depth.depth(column, row) {
-            places.push([column as u32, row as u32]);
+            chosen.push([column as u32, row as u32]);
             depths.push(z);
         }
     });
-    Arch::new().dispatch(Looks { camera, view: View::new(cylinder), pixels: &places, depths: &depths })
+    Arch::new().dispatch(Looks { camera, view: View::new(cylinder), pixels: &chosen, depths: &depths })
 }
 
 /// The least and the greatest position along the axis at which the rays of pixels first meet a cylinder; infinite where none does.
@@ -35,9 +35,9 @@ pub(crate) fn extremes(
     cylinder: &Cylinder,
     pixels: impl Iterator<Item = (usize, usize)>,
 ) -> [f64; 2] {
-    let mut places = List::new();
-    pixels.for_each(|(column, row)| places.push([column as u32, row as u32]));
-    Arch::new().dispatch(Extremes { camera, view: View::new(cylinder), pixels: &places })
+    let mut chosen = List::new();
+    pixels.for_each(|(column, row)| chosen.push([column as u32, row as u32]));
+    Arch::new().dispatch(Extremes { camera, view: View::new(cylinder), pixels: &chosen })
 }
 
 /// Pixels alone.

@@ -29,12 +29,12 @@ const LIMB_JITTER: f64 = 0.006;
 /// [`limb_location`](crate::limb_location) and of its blocks.
 const LIMB_FLOOR: f64 = 0.075;
 
-/// The same two of a place of an arc, in pixels: its loss, and its floor.
-const PLACE_LOSS: f64 = 1.7;
-const PLACE_FLOOR: f64 = 0.05;
+/// The same two of a sample of an arc, in pixels: its loss, and its floor.
+const SAMPLE_LOSS: f64 = 1.7;
+const SAMPLE_FLOOR: f64 = 0.05;
 
-/// A fit takes the places of an arc for so much less certain: by how much they scatter more than they say.
-const PLACE_SCATTER: f64 = 1.7;
+/// A fit takes the samples of an arc for so much less certain: by how much they scatter more than they say.
+const SAMPLE_SCATTER: f64 = 1.7;
 
 /// Deviation of an end for reasons that its pixels do not show.
 const END_FLOOR: f64 = 0.1;
@@ -110,13 +110,13 @@ impl Plan {
         let mut information = self.of_points(&frame, &seen, share)?;
         self.add_limbs(&mut information, &frame, &limbs)?;
         let arcs = [-0.5, 0.5].map(|part| self.arc(&cylinder, &limbs, part * self.length));
-        let places = self.step.ends.map(|noise| PLACE_LOSS * self.step.place(noise, 1.0));
-        for (arc, place) in arcs.iter().zip(places) {
+        let of_samples = self.step.ends.map(|noise| SAMPLE_LOSS * self.step.position_deviation(noise, 1.0));
+        for (arc, deviation) in arcs.iter().zip(of_samples) {
             let Some(arc) = arc else { continue };
-            let stated = PLACE_SCATTER * place.hypot(PLACE_FLOOR);
+            let stated = SAMPLE_SCATTER * deviation.hypot(SAMPLE_FLOOR);
             let term = ArcTerm { ends: [List::from(&arc[..])].into() };
             for row in term.pixel_rows(&frame).ok_or_else(undetermined)? {
-                information.add(&six(&row.jacobian, 0.0), stated, place, stated);
+                information.add(&six(&row.jacobian, 0.0), stated, deviation, stated);
             }
         }
         let inverse = information.matrix.cholesky().ok_or_else(undetermined)?.inverse();
@@ -126,8 +126,8 @@ impl Plan {
                 let [start, end] = arcs.each_ref();
                 let (start, end) = (start.as_ref()?, end.as_ref()?);
                 let by_cylinder = of_length(&frame, start, end)?;
-                let of_ends =
-                    end_variance(start, places[0], end_floor) + end_variance(end, places[1], end_floor);
+                let of_ends = end_variance(start, of_samples[0], end_floor)
+                    + end_variance(end, of_samples[1], end_floor);
                 Some((by_cylinder.dot(&(covariance * by_cylinder)) + of_ends).sqrt())
             };
             Deviations {
@@ -189,8 +189,8 @@ impl Plan {
             let Some([from, to]) = self.limb_in_image(limbs, limb) else { continue };
             let along = to - from;
             let (middle, half) = ((from + to) / 2.0, along / 12.0_f64.sqrt());
-            // Each of two places has twice the variance of the middle.
-            let noise = LIMB_LOSS * 2.0_f64.sqrt() * self.step.place(noise, along.norm());
+            // Each of two positions has twice the variance of the middle.
+            let noise = LIMB_LOSS * 2.0_f64.sqrt() * self.step.position_deviation(noise, along.norm());
             let scatter = noise.hypot(LIMB_JITTER);
             let stated = noise.hypot(LIMB_FLOOR);
             let segment = PixelSegment {
@@ -216,7 +216,7 @@ fn of_length(frame: &LocalFrame, start: &[ArcRay], end: &[ArcRay]) -> Option<Tan
             let cylinder = frame.retract(&Tangent::ith(k, size));
             let position = |arc: &[ArcRay]| {
                 let sum: Option<f64> =
-                    arc.iter().map(|place| Some(on_wall(&cylinder, &place.ray, Rim::Near)?.0)).sum();
+                    arc.iter().map(|sample| Some(on_wall(&cylinder, &sample.ray, Rim::Near)?.0)).sum();
                 Some(sum? / arc.len() as f64)
             };
             Some(position(end)? - position(start)?)
@@ -226,9 +226,9 @@ fn of_length(frame: &LocalFrame, start: &[ArcRay], end: &[ArcRay]) -> Option<Tan
     Some(derivative)
 }
 
-/// The variance of an end along the axis by the places of its arc and its floor in pixels.
-fn end_variance(arc: &[ArcRay], place: f64, floor: f64) -> f64 {
-    let information: f64 = arc.iter().map(|at| (at.across / place).powi(2)).sum();
+/// The variance of an end along the axis by the samples of its arc and its floor in pixels.
+fn end_variance(arc: &[ArcRay], deviation: f64, floor: f64) -> f64 {
+    let information: f64 = arc.iter().map(|at| (at.across / deviation).powi(2)).sum();
     let across = arc.iter().map(|at| at.across).sum::<f64>() / arc.len() as f64;
     information.recip() + (floor / across).powi(2)
 }

@@ -83,7 +83,7 @@ pub struct StepNoise {
     /// At each limb, the standard deviation of a pixel as a part of the step of brightness: of the steps along the limb their
     /// root mean square. The default is 0.014: a step of half the full scale, and pixels of some 10,000 electrons.
     pub limbs: [f64; 2],
-    /// The same at the ends. Where the tilt is positive the first end is the nearer one.
+    /// At each end, the standard deviation of a pixel as a part of the step of brightness. Where the tilt is positive the first end is the nearer one.
     pub ends: [f64; 2],
     /// Blur of lens and focus, the standard deviation of a Gauss curve in pixels. The default is 0.7.
     pub blur: f64,
@@ -96,7 +96,7 @@ impl Default for StepNoise {
 }
 
 impl StepNoise {
-    /// The same noise at all limbs and ends.
+    /// Noise that is alike at all limbs and ends, with the blur of the image.
     #[must_use]
     pub const fn alike(noise: f64, blur: f64) -> Self {
         Self { limbs: [noise; 2], ends: [noise; 2], blur }
@@ -109,9 +109,9 @@ impl StepNoise {
         (*self == Self::alike(noise, self.blur)).then_some(noise)
     }
 
-    /// Standard deviation of the place of a straight step along some pixels, if all but that place were known: with the
+    /// Standard deviation of the position of a straight step along some pixels, if all but that position were known: with the
     /// slope of a step of the blur b the information is Σ (∂I/∂u)² / σ² = n / (2 √π b σ²) (the Cramér–Rao bound).
-    pub(super) fn place(&self, noise: f64, pixels: f64) -> f64 {
+    pub(super) fn position_deviation(&self, noise: f64, pixels: f64) -> f64 {
         // The aperture of a pixel blurs, too.
         let blur = self.blur.hypot(1.0 / 12.0_f64.sqrt());
         noise * (2.0 * std::f64::consts::PI.sqrt() * blur / pixels).sqrt()

@@ -8,15 +8,15 @@ use nalgebra::{Vector2, Vector3};
 /// Rays that meet the surface at a smaller sine bring no depth: windows and pulses see too little of it.
 const LEAST_SINE_OF_DEPTH: f64 = 0.2;
 
-/// Places along a limb that are looked at for the part of it in the image.
-const LIMB_PLACES: usize = 256;
+/// Samples along a limb that are looked at for the part of it in the image.
+const LIMB_SAMPLES: usize = 256;
 
-/// Of an arc, as it is looked for in an image (`end_location`): the most places, the pixels beside a limb that are left out,
-/// the least sine at which a ray meets the surface, and the fewest places.
-const MOST_PLACES: usize = 48;
+/// Of an arc, as it is looked for in an image (`end_location`): the most samples, the pixels beside a limb that are left out,
+/// the least sine at which a ray meets the surface, and the fewest samples.
+const MOST_SAMPLES: usize = 48;
 const LIMB_MARGIN: f64 = 2.5;
 const LEAST_SINE: f64 = 0.35;
-const LEAST_PLACES: usize = 8;
+const LEAST_SAMPLES: usize = 8;
 
 /// A point of the surface that a pixel sees.
 pub(super) struct SeenPoint {
@@ -50,7 +50,7 @@ impl Plan {
         let mut range = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for (side, k) in [-0.5, 0.5].into_iter().flat_map(|side| (0..64).map(move |k| (side, k))) {
             let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(k) / 64.0);
-            // A little wider, for the places between.
+            // A little wider, for the samples between.
             let across = (limbs.sideways * sine + limbs.toward * cosine) * (1.01 * self.radius);
             let point = self.center() + cylinder.axis.direction * (1.01 * side * self.length) + across;
             let Some(pixel) = self.camera.project(&point) else { return whole };
@@ -71,11 +71,11 @@ impl Plan {
     pub(super) fn limb_in_image(&self, limbs: &LimbFrame, limb: usize) -> Option<[Vector2<f64>; 2]> {
         let line = limbs.limb_lines()[limb];
         let middle = line.nearest_to(&self.center());
-        let at = |k: usize| middle + line.direction * ((k as f64 / LIMB_PLACES as f64 - 0.5) * self.length);
+        let at = |k: usize| middle + line.direction * ((k as f64 / LIMB_SAMPLES as f64 - 0.5) * self.length);
         let in_image =
             |k: &usize| self.camera.project(&at(*k)).is_some_and(|pixel| self.camera.contains(&pixel));
-        let first = (0..=LIMB_PLACES).find(in_image)?;
-        let last = (first..=LIMB_PLACES).rev().find(in_image)?;
+        let first = (0..=LIMB_SAMPLES).find(in_image)?;
+        let last = (first..=LIMB_SAMPLES).rev().find(in_image)?;
         let intrinsics = self.camera.intrinsics();
         let ideal = |p: Vector3<f64>| {
             Vector2::new(intrinsics.fx * p.x / p.z + intrinsics.cx, intrinsics.fy * p.y / p.z + intrinsics.cy)
@@ -83,14 +83,14 @@ impl Plan {
         (last > first).then(|| [ideal(at(first)), ideal(at(last))])
     }
 
-    /// The places of the arc at a position along the axis; `None` where the image does not show it all.
+    /// The samples of the arc at a position along the axis; `None` where the image does not show it all.
     pub(super) fn arc(&self, cylinder: &Cylinder, limbs: &LimbFrame, position: f64) -> Option<Vec<ArcRay>> {
         let half_width = self.radius * self.camera.intrinsics().fx / self.distance;
         let part = 1.0 - LIMB_MARGIN / half_width;
         // One a pixel at most: what lies closer shares its pixels.
-        let count = ((2.0 * part * half_width) as usize).min(MOST_PLACES);
+        let count = ((2.0 * part * half_width) as usize).min(MOST_SAMPLES);
         let middle = self.center() + cylinder.axis.direction * position;
-        let mut places = Vec::with_capacity(count);
+        let mut samples = Vec::with_capacity(count);
         for k in 0..count {
             let sine = part * (2.0 * (k as f64 + 0.5) / count as f64 - 1.0) * limbs.cos_gamma;
             let normal = limbs.sideways * sine - limbs.toward * (1.0 - sine * sine).sqrt();
@@ -99,7 +99,7 @@ impl Plan {
             let step = 1e-4 * self.radius;
             let ahead = self.camera.project(&(ray + cylinder.axis.direction * step))?;
             if -normal.dot(&ray) >= LEAST_SINE * ray.norm() {
-                places.push(ArcRay {
+                samples.push(ArcRay {
                     ray,
                     rim: Rim::Near,
                     across: (ahead - here).norm() / step,
@@ -108,6 +108,6 @@ impl Plan {
                 });
             }
         }
-        (places.len() >= LEAST_PLACES).then_some(places)
+        (samples.len() >= LEAST_SAMPLES).then_some(samples)
     }
 }

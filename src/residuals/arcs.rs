@@ -1,7 +1,7 @@
-//! Arcs of the end circles: places in the image at which the surface ends.
+//! Arcs of the end circles: points of the image at which the surface ends.
 //!
-//! The ray v of such a place meets the near wall, or the far one where it is on the far rim, at p = λ v, at the position
-//! t = (p − c) · d̂ along the axis. All places of one end lie at the same position, which is unknown: the residual is the
+//! The ray v of such a sample meets the near wall, or the far one where it is on the far rim, at p = λ v, at the position
+//! t = (p − c) · d̂ along the axis. All samples of one end lie at the same position, which is unknown: the residual is the
 //! distance of t from the mean of the end, in pixels across the arc. With the outward unit normal n at p and
 //! κ = (d̂ · v) / (n · v), δt = κ (n · δc + t n · δd + δr) + r n · δd.
 
@@ -19,7 +19,7 @@ pub enum Rim {
     Far,
 }
 
-/// One place of an arc.
+/// One sample of an arc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArcRay {
     /// Its ray, of any positive length.
@@ -35,10 +35,10 @@ pub struct ArcRay {
     pub widening: f64,
 }
 
-/// The places of any number of ends.
+/// The samples of any number of ends.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ArcTerm {
-    /// The places by end.
+    /// The samples by end.
     pub ends: List<List<ArcRay>>,
 }
 
@@ -56,20 +56,20 @@ pub fn on_wall(cylinder: &Cylinder, ray: &Vector3<f64>, rim: Rim) -> Option<(f64
 }
 
 impl PixelResiduals for ArcTerm {
-    /// A place whose ray misses the cylinder is left out.
+    /// A sample whose ray misses the cylinder is left out.
     fn pixel_rows(&self, frame: &LocalFrame) -> Option<List<PixelRow>> {
         let mut all = List::new();
         for end in &self.ends {
-            let mut rows: List<ArcRow> = end.iter().filter_map(|place| Self::row(frame, place)).collect();
+            let mut rows: List<ArcRow> = end.iter().filter_map(|sample| Self::row(frame, sample)).collect();
             // The position of the end is eliminated: what is left is orthogonal to it.
             subtract(&mut rows, |_| 1.0, |_| 1.0);
             // With u, what one standard deviation of the radius of the circle makes of the weighed residuals, their covariance
             // is I + u uᵀ, whose inverse has the root I − (1 − 1 / √(1 + uᵀu)) u uᵀ / uᵀu.
             subtract(&mut rows, |row| row.widening, |square| 1.0 - 1.0 / (1.0 + square).sqrt());
-            all.extend(rows.iter().map(|ArcRow { place, position, jacobian, .. }| PixelRow {
-                weight: place.weight,
-                residual: position * place.across,
-                jacobian: jacobian * place.across,
+            all.extend(rows.iter().map(|ArcRow { sample, position, jacobian, .. }| PixelRow {
+                weight: sample.weight,
+                residual: position * sample.across,
+                jacobian: jacobian * sample.across,
                 shared: 0.0,
             }));
         }
@@ -77,9 +77,9 @@ impl PixelResiduals for ArcTerm {
     }
 }
 
-/// A place with where it says that the end is, and how that changes with the cylinder and the radius of the end circle.
+/// A sample with where it says that the end is, and how that changes with the cylinder and the radius of the end circle.
 struct ArcRow {
-    place: ArcRay,
+    sample: ArcRay,
     position: f64,
     jacobian: Tangent,
     widening: f64,
@@ -90,7 +90,7 @@ fn subtract(rows: &mut [ArcRow], direction: impl Fn(&ArcRow) -> f64, part: impl 
     let (mut square, mut position, mut jacobian, mut widening) = (0.0, 0.0, Tangent::zeros(), 0.0);
     for row in &*rows {
         let along = direction(row);
-        let w = row.place.weight * row.place.across * row.place.across * along;
+        let w = row.sample.weight * row.sample.across * row.sample.across * along;
         square += w * along;
         position += w * row.position;
         jacobian += row.jacobian * w;
@@ -109,15 +109,15 @@ fn subtract(rows: &mut [ArcRow], direction: impl Fn(&ArcRow) -> f64, part: impl 
 }
 
 impl ArcTerm {
-    fn row(frame: &LocalFrame, place: &ArcRay) -> Option<ArcRow> {
+    fn row(frame: &LocalFrame, sample: &ArcRay) -> Option<ArcRow> {
         let LocalFrame { cylinder, u, v, unit } = frame;
-        let (position, normal) = on_wall(cylinder, &place.ray, place.rim)?;
+        let (position, normal) = on_wall(cylinder, &sample.ray, sample.rim)?;
         let (a, b) = (normal.dot(u), normal.dot(v));
-        let lean = cylinder.axis.direction.dot(&place.ray) / normal.dot(&place.ray);
+        let lean = cylinder.axis.direction.dot(&sample.ray) / normal.dot(&sample.ray);
         let (t, r) = (position / unit, cylinder.radius / unit);
         let of_tilt = lean * t + r;
         let jacobian = Tangent::new(lean * a, lean * b, of_tilt * a, of_tilt * b, lean) * *unit;
-        let row = ArcRow { place: *place, position, jacobian, widening: place.widening };
+        let row = ArcRow { sample: *sample, position, jacobian, widening: sample.widening };
         row.jacobian.iter().all(|x| x.is_finite()).then_some(row)
     }
 }
@@ -135,7 +135,7 @@ mod tests {
             - cylinder.axis.direction * cylinder.axis.point.dot(&cylinder.axis.direction))
         .normalize();
         let sideways = cylinder.axis.direction.cross(&toward);
-        let place = |position: f64, k: i32, rim: Rim| {
+        let sample = |position: f64, k: i32, rim: Rim| {
             let angle = 0.2 * f64::from(k) + if rim == Rim::Far { PI } else { 0.0 };
             let normal = toward * angle.cos() + sideways * angle.sin();
             let ray = cylinder.axis.at(position) + normal * cylinder.radius;
@@ -152,7 +152,7 @@ mod tests {
             .map(|position| {
                 [Rim::Near, Rim::Far]
                     .iter()
-                    .flat_map(|rim| (-5..=5).map(move |k| place(position, k, *rim)))
+                    .flat_map(|rim| (-5..=5).map(move |k| sample(position, k, *rim)))
                     .collect()
             })
             .into_iter()
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn places_on_two_circles_have_no_residual() {
+    fn samples_on_two_circles_have_no_residual() {
         let (frame, term) = scene();
         let cost = |frame: &LocalFrame| -> f64 {
             term.pixel_rows(frame).unwrap().iter().map(|row| row.weight * row.residual.powi(2)).sum()

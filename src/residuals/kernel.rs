@@ -59,7 +59,7 @@ impl<L: Loss> Terms<SUMS> for Whole<L> {
         let zero = simd.splat_f64s(0.0);
         let (mut losses, mut gradient) = ([zero; 3], [zero; 9]);
         for group in groups.range() {
-            let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
+            let (Coordinates { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
             let Influence { loss, weight: factor, slope } = self.0.influences(simd, e, facing);
             let w = simd.mul_f64s(weight, factor);
             add(simd, &mut losses, [simd.mul_f64s(weight, loss), simd.mul_f64s(weight, slope), w]);
@@ -140,8 +140,8 @@ impl Terms<2> for FacingAndSquares {
     ) -> [S::f64s; 2] {
         let mut sums = [simd.splat_f64s(0.0); 2];
         for group in groups.range() {
-            let (place, e, weight) = groups.at(simd, kernel, group);
-            let facing = simd.less_than_f64s(place.facing, simd.splat_f64s(0.0));
+            let (coordinates, e, weight) = groups.at(simd, kernel, group);
+            let facing = simd.less_than_f64s(coordinates.facing, simd.splat_f64s(0.0));
             let square = simd.mul_f64s(weight, simd.mul_f64s(e, e));
             add(simd, &mut sums, [counted(simd, facing, weight), square]);
         }
@@ -168,8 +168,8 @@ impl<L: Loss> Terms<1> for CostAlone<L> {
     ) -> [S::f64s; 1] {
         let mut sums = [simd.splat_f64s(0.0)];
         for group in groups.range() {
-            let (place, e, weight) = groups.at(simd, kernel, group);
-            let Influence { loss, .. } = self.0.influences(simd, e, place.facing);
+            let (coordinates, e, weight) = groups.at(simd, kernel, group);
+            let Influence { loss, .. } = self.0.influences(simd, e, coordinates.facing);
             add(simd, &mut sums, [simd.mul_f64s(weight, loss)]);
         }
         sums
@@ -177,7 +177,7 @@ impl<L: Loss> Terms<1> for CostAlone<L> {
 }
 
 /// Where points lie in relation to a cylinder, in the frame and its unit.
-pub(super) struct Place<T> {
+pub(super) struct Coordinates<T> {
     /// Distance from the axis.
     pub rho: T,
     /// The direction from the axis to the point, (a, b) across the axis; 0 on it.
@@ -210,7 +210,7 @@ impl Kernel {
 
     /// The mathematics of points: everything about them that a residual, its Jacobian or its loss needs.
     #[inline(always)]
-    pub fn place<S: Simd>(&self, simd: S, [px, py, pz]: [S::f64s; 3]) -> Place<S::f64s> {
+    pub fn coordinates<S: Simd>(&self, simd: S, [px, py, pz]: [S::f64s; 3]) -> Coordinates<S::f64s> {
         let (x, y) = (self.coordinate(simd, 0, [px, py, pz]), self.coordinate(simd, 1, [px, py, pz]));
         let h = self.coordinate(simd, 2, [px, py, pz]);
         let rho = simd.sqrt_f64s(simd.add_f64s(simd.mul_f64s(x, x), simd.mul_f64s(y, y)));
@@ -219,7 +219,7 @@ impl Kernel {
         let inverse = simd.div_f64s(simd.splat_f64s(1.0), least);
         let away_x = simd.sub_f64s(x, simd.splat_f64s(self.observer.x));
         let away_y = simd.sub_f64s(y, simd.splat_f64s(self.observer.y));
-        Place {
+        Coordinates {
             rho,
             a: simd.mul_f64s(x, inverse),
             b: simd.mul_f64s(y, inverse),
@@ -230,8 +230,8 @@ impl Kernel {
 
     /// Signed distances of points from the surface.
     #[inline(always)]
-    fn residual<S: Simd>(&self, simd: S, place: &Place<S::f64s>) -> S::f64s {
-        simd.sub_f64s(place.rho, simd.splat_f64s(self.radius))
+    fn residual<S: Simd>(&self, simd: S, coordinates: &Coordinates<S::f64s>) -> S::f64s {
+        simd.sub_f64s(coordinates.rho, simd.splat_f64s(self.radius))
     }
 
     /// A coordinate of points in the local frame.
@@ -351,14 +351,20 @@ impl Groups<'_> {
         0..self.count.min(GROUPS)
     }
 
-    /// The places of the points of a group, their residuals and their weights.
+    /// The coordinates of the points of a group, their residuals and their weights.
     #[inline(always)]
-    fn at<S: Simd>(&self, simd: S, kernel: &Kernel, group: usize) -> (Place<S::f64s>, S::f64s, S::f64s) {
+    fn at<S: Simd>(
+        &self,
+        simd: S,
+        kernel: &Kernel,
+        group: usize,
+    ) -> (Coordinates<S::f64s>, S::f64s, S::f64s) {
         let Self { points: [x, y, z], weights, part, .. } = *self;
         let [x, y, z] = [&x[group], &y[group], &z[group]];
-        let place = kernel.place(simd, [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)]);
-        let residual = kernel.residual(simd, &place);
-        (place, residual, lanes(simd, &weights[group], part))
+        let coordinates =
+            kernel.coordinates(simd, [lanes(simd, x, part), lanes(simd, y, part), lanes(simd, z, part)]);
+        let residual = kernel.residual(simd, &coordinates);
+        (coordinates, residual, lanes(simd, &weights[group], part))
     }
 }
 
@@ -430,10 +436,10 @@ impl<T: Coordinate, F: FnMut(&[f64])> WithSimd for Distances<'_, T, F> {
             let (x, y, z) = (S::as_simd_f64s(x).0, S::as_simd_f64s(y).0, S::as_simd_f64s(z).0);
             let rho = rho.as_flattened_mut();
             for (((x, y), z), rho) in x.iter().zip(y).zip(z).zip(S::as_mut_simd_f64s(rho).0) {
-                let place = kernel.place(simd, [*x, *y, *z]);
-                *rho = kernel.residual(simd, &place);
+                let coordinates = kernel.coordinates(simd, [*x, *y, *z]);
+                *rho = kernel.residual(simd, &coordinates);
                 if wall != Wall::Either {
-                    *rho = simd.select_f64s(wall.hidden(simd, place.facing), infinity, *rho);
+                    *rho = simd.select_f64s(wall.hidden(simd, coordinates.facing), infinity, *rho);
                 }
             }
             receive(&rho[..end - start]);

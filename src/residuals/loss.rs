@@ -2,7 +2,7 @@
 //! reweighted fits.
 
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute};
 use pulp::{Scalar, Simd};
 
 /// What residuals count for.
@@ -227,7 +227,7 @@ impl Reweighting {
                     least
                 } else {
                     let finite = residuals.iter().copied().filter(|e| e.is_finite());
-                    (DEVIATION_OF_MEDIAN * median_size(finite)).max(least)
+                    (DEVIATION_OF_MEDIAN * median_absolute(finite)).max(least)
                 }
             }
         };

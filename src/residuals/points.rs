@@ -3,7 +3,9 @@
 //! In the local frame, with (x, y, h) = R (p − c) / unit and ρ = √(x² + y²), the residual is ρ − r / unit and
 //! its Jacobian (−x/ρ, −y/ρ, −h x/ρ, −h y/ρ, −1).
 
-use super::kernel::{CostAlone, FacingAndSquares, Influences, Kernel, Place, SUMS, Terms, Whole, Within};
+use super::kernel::{
+    Coordinates, CostAlone, FacingAndSquares, Influences, Kernel, SUMS, Terms, Whole, Within,
+};
 use super::loss::{BySlopes, Loss, Wall};
 use super::{NormalEquations, SandwichPart};
 use crate::geometry::{LocalFrame, Tangent, TangentMap, Walls};
@@ -73,7 +75,7 @@ impl<'a> PointTerm<'a> {
         Self { slopes, ..self }
     }
 
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn slopes_of_influence(&self, frame: &LocalFrame, loss: impl Loss) -> Option<TangentMap> {
         let root = self.linearise(frame, loss).hessian.cholesky()?.l();
         let by_slopes = self.linearise(frame, BySlopes(loss)).hessian;
@@ -183,7 +185,7 @@ impl<'a> PointTerm<'a> {
     /// What the points add to the covariance of a minimum, of which `independent_points` are independent. `equations` are
     /// those of [`PointTerm::linearise`] there.
     ///
-    /// Every point stands for its own noise, which may depend on the place on the surface as that of depth does on the
+    /// Every point stands for its own noise, which may depend on the position on the surface as that of depth does on the
     /// slope: B = Σ ψ² J Jᵀ (White's estimator) with the influence ψ = w(e) e and the correction of the residuals by
     /// their leverage (HC3 of MacKinnon and White 1985). A is the mean slope of ψ for Σ w J Jᵀ, so that points without
     /// influence (background) do not count as measured.
@@ -290,22 +292,22 @@ impl PointRows {
     }
 
     #[inline(always)]
-    fn place(&self, point: &Vector3<f64>) -> Place<f64> {
-        self.kernel.place(pulp::Scalar::new(), (point - self.axis_point).into())
+    fn coordinates(&self, point: &Vector3<f64>) -> Coordinates<f64> {
+        self.kernel.coordinates(pulp::Scalar::new(), (point - self.axis_point).into())
     }
 
     /// Residual, Jacobian, and on which side of the surface the point lies, as in [`Loss::influence`].
     #[inline]
     pub fn row(&self, point: &Vector3<f64>) -> (f64, Tangent, f64) {
-        let Place { rho, a, b, h, facing } = self.place(point);
+        let Coordinates { rho, a, b, h, facing } = self.coordinates(point);
         (rho - self.kernel.radius, Tangent::new(-a, -b, -h * a, -h * b, -1.0), facing)
     }
 
     /// Residual and side alone.
     #[inline]
     pub fn residual(&self, point: &Vector3<f64>) -> (f64, f64) {
-        let place = self.place(point);
-        (place.rho - self.kernel.radius, place.facing)
+        let coordinates = self.coordinates(point);
+        (coordinates.rho - self.kernel.radius, coordinates.facing)
     }
 }
 

@@ -46,7 +46,7 @@ pub struct RobustView<'a> {
     pub lines: Option<&'a PixelTerm>,
     /// The arcs of the ends.
     pub arcs: &'a ArcTerm,
-    /// Standard deviation τ of a line of weight 1 at its endpoints, and of a place of an arc of weight 1, in pixels.
+    /// Standard deviation τ of a line of weight 1 at its endpoints, and of a sample of an arc of weight 1, in pixels.
     pub endpoint: f64,
 }
 

@@ -2,7 +2,7 @@
 
 use super::contests::Piece;
 use super::labels::mask_of;
-use super::work::Share;
+use super::work::WorkBudget;
 use super::{DetectorOptions, Found};
 use crate::detection::{Detection, DetectionOptions, Detections, Evidence, with_odds_divided};
 use crate::error::{Error, Result, unless_cancelled};
@@ -59,7 +59,12 @@ impl<'a> Fits<'a> {
 
     /// The fit of a region of a frame, from the cylinder that was found, which is in the coordinates of the camera; without a
     /// share that cylinder.
-    pub fn of_frame(&self, frame: &Frame, task: &Task, share: Option<&Share<'_>>) -> Result<Box<Found>> {
+    pub fn of_frame(
+        &self,
+        frame: &Frame,
+        task: &Task,
+        budget: Option<&WorkBudget<'_>>,
+    ) -> Result<Box<Found>> {
         let detection = &self.seen.cylinders[task.cylinder];
         let mut fitter = self.fitter()?;
         let mask = mask_of(&self.seen.labels, task.cylinder);
@@ -71,7 +76,7 @@ impl<'a> Fits<'a> {
             let [first, last] = detection.along;
             (last - first) * camera.intrinsics().fx / detection.cylinder.axis.point.z
         });
-        let result = self.fit_within(&mut fitter, detection, frame.pose(), share, limb)?;
+        let result = self.fit_within(&mut fitter, detection, frame.pose(), budget, limb)?;
         let fitted = frame.pose().inverse().cylinder(&result.cylinder);
         // Of a cylinder that was kept the limbs are those of a fit that was refused.
         let taper = result.termination.and(result.taper);
@@ -85,18 +90,18 @@ impl<'a> Fits<'a> {
         Ok(found(fitter, evidence, detection, &result))
     }
 
-    /// The fit by a share, limbs in an image being so many pixels long; without one the cylinder that was found.
+    /// The fit within a budget, limbs in an image being so many pixels long; without one the cylinder that was found.
     pub(super) fn fit_within(
         &self,
         fitter: &mut Fitter,
         detection: &Detection,
         pose: &RigidMotion,
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
         limb: f64,
     ) -> Result<Box<FitResult>> {
-        if let Some(share) = share {
-            share.set_region(detection.pixels, limb);
-            return self.fit_or_keep(fitter, detection, pose, share).map(Box::new);
+        if let Some(budget) = budget {
+            budget.set_region(detection.pixels, limb);
+            return self.fit_or_keep(fitter, detection, pose, budget).map(Box::new);
         }
         let found = pose.cylinder(&detection.cylinder);
         if !fitter.options().cylinder_limits.contain(&found) {
@@ -114,7 +119,7 @@ impl<'a> Fits<'a> {
         fitter: &mut Fitter,
         detection: &Detection,
         pose: &RigidMotion,
-        share: &Share<'_>,
+        budget: &WorkBudget<'_>,
     ) -> Result<FitResult> {
         let seen = &detection.cylinder;
         let found = pose.cylinder(seen);
@@ -136,7 +141,7 @@ impl<'a> Fits<'a> {
         let mut known = Vec::new();
         for factor in radii.iter().take(attempts) {
             let start = pose.cylinder(&with_radius(seen, factor * seen.radius));
-            let fit = fit_from(fitter, &start, share, &mut known);
+            let fit = fit_from(fitter, &start, budget, &mut known);
             let Ok(result) = unless_cancelled(fit)? else { continue };
             let change = found.compare(&result.cylinder);
             let same = (change.radius_relative.abs() < reach || told_twice(&result))
@@ -168,7 +173,7 @@ impl<'a> Fits<'a> {
             *fitter = of_best;
             return Ok(result);
         }
-        kept(fitter, &found, plain, share)
+        kept(fitter, &found, plain, budget)
     }
 
     /// How many fits a cylinder may take.
@@ -265,11 +270,11 @@ fn kept(
     fitter: &mut Fitter,
     found: &Cylinder,
     plain: Option<Box<(Fitter, FitResult)>>,
-    share: &Share<'_>,
+    budget: &WorkBudget<'_>,
 ) -> Result<FitResult> {
     // The search allows for errors at the limits; what is returned keeps them.
     if !fitter.options().cylinder_limits.contain(found) {
-        return fit_from(fitter, found, share, &mut Vec::new());
+        return fit_from(fitter, found, budget, &mut Vec::new());
     }
     fitter.set_start(Some(*found));
     let kept = fitter.keep(found)?;
@@ -287,12 +292,12 @@ fn kept(
 fn fit_from(
     fitter: &mut Fitter,
     start: &Cylinder,
-    share: &Share<'_>,
+    budget: &WorkBudget<'_>,
     known: &mut Vec<Cylinder>,
 ) -> Result<FitResult> {
-    share.begin();
+    budget.begin();
     fitter.set_start(Some(*start));
-    fitter.fit_counted(&mut |_| share.ask(), &|| share.poll_cancel(), known)
+    fitter.fit_counted(&mut |_| budget.ask(), &|| budget.poll_cancel(), known)
 }
 
 #[cfg(test)]

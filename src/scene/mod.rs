@@ -25,7 +25,7 @@ use labels::renumber;
 pub use results::{Found, Scene};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use work::{Share, Work};
+use work::{Work, WorkBudget};
 
 /// Bytes a pixel or point that there must be memory for before a search begins, which could not end it well later. Searches and
 /// fits of clouds of 1 to 4 million points held 32 to 123 at a time, most where one body is all of the cloud; 231 were seen.
@@ -97,7 +97,7 @@ impl DetectorOptions {
 /// Progress of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Progress {
-    /// It begins to look for cylinders; at a cloud that was not seen from its origin, from many places.
+    /// It begins to look for cylinders; at a cloud that was not seen from its origin, from many positions.
     Search,
     /// So many of the cylinders that were found are fitted.
     Fit {
@@ -183,7 +183,7 @@ impl Detector {
         unobserved(|observer| self.detect_with(frame, observer))
     }
 
-    /// The same with an observer.
+    /// Finds and fits all cylinders of a frame, as [`Detector::detect`] does, with an observer of its progress that may cancel it.
     ///
     /// # Errors
     /// Those of [`Detector::detect`], and `Cancelled`.
@@ -213,7 +213,7 @@ impl Detector {
         })?;
         let fits = Fits::new(&self.options, found, size);
         let scene =
-            self.fit_regions(fits, observer, |fits, task, share| fits.of_frame(&frame, task, share))?;
+            self.fit_regions(fits, observer, |fits, task, budget| fits.of_frame(&frame, task, budget))?;
         if scene.cylinders.is_empty() {
             // Nothing confirms the shift.
             depth_moved = [0; 2];
@@ -243,7 +243,7 @@ impl Detector {
 
     /// Finds and fits all cylinders of a cloud, organised or not. It is looked at from where a sensor has seen
     /// it: the origin, where nearly all points lie in front of it and hide none of each other, or where their densities tell. Clouds that
-    /// no single place has seen are looked at from all sides, and from all sides of tiles of them, which takes about ten times as long.
+    /// no single position has seen are looked at from all sides, and from all sides of tiles of them, which takes about ten times as long.
     /// Points with a coordinate that is not finite or a weight of 0 are left out.
     ///
     /// # Errors
@@ -253,7 +253,8 @@ impl Detector {
         unobserved(|observer| self.detect_points_with(points, observer))
     }
 
-    /// The same with an observer.
+    /// Finds and fits all cylinders of a cloud, as [`Detector::detect_points`] does, with an observer of its progress that may
+    /// cancel it.
     ///
     /// # Errors
     /// Those of [`Detector::detect_points`], and `Cancelled`.
@@ -288,8 +289,8 @@ impl Detector {
             if let Some(seen) = seen.filter(|seen| !seen.cylinders.is_empty()) {
                 let fits = Fits::new(&self.options, seen, size).after(looks.tries());
                 let fit = || {
-                    self.fit_regions(fits, observer, |fits, task, share| {
-                        fits.of_points(points, &looks, task, share)
+                    self.fit_regions(fits, observer, |fits, task, budget| {
+                        fits.of_points(points, &looks, task, budget)
                     })
                 };
                 let found = if looks.is_large() { apart(fit) } else { fit() }?;
@@ -332,7 +333,7 @@ impl Detector {
         &self,
         fits: Fits<'a>,
         observer: &mut Observer<'_>,
-        fit: impl Fn(&Fits<'a>, &Task, Option<&Share<'_>>) -> Result<Box<Found>> + Sync,
+        fit: impl Fn(&Fits<'a>, &Task, Option<&WorkBudget<'_>>) -> Result<Box<Found>> + Sync,
     ) -> Result<Scene> {
         let detections = &fits.seen.cylinders;
         let count = detections.len();
@@ -356,10 +357,10 @@ impl Detector {
                 if poll().is_break() {
                     *outcome = Some(Err(Error::Cancelled { iterations: 0 }));
                 } else if fits.may_stay(task.cylinder)
-                    && let Some(share) = work.share(index, &poll)
+                    && let Some(budget) = work.budget(index, &poll)
                 {
                     // What would be dropped whatever its fit came to has none.
-                    *outcome = Some(fit(&fits, task, Some(&share)));
+                    *outcome = Some(fit(&fits, task, Some(&budget)));
                 }
             };
             let mut done = 0;

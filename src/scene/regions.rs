@@ -3,14 +3,14 @@
 use super::fits::{Fits, Task, found, radius_deviation};
 use super::labels::indices_of;
 use super::results::Found;
-use super::work::Share;
+use super::work::WorkBudget;
 use crate::detection::{Band, Detection, Looks, grown, is_round, reach_of, with_odds_divided};
 use crate::error::{Error, Result};
 use crate::fitter::{FitResult, Fitter, Flags, contradict, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::memory::apart;
 use crate::observations::PointsView;
-use crate::statistics::{ends_of, median};
+use crate::statistics::{median, min_max};
 use nalgebra::Vector3;
 
 /// How far from the axis points of a cloud are fitted, in radii. On ../shared/scenes, fits to the true regions between 1, 0.85 and
@@ -24,7 +24,7 @@ const FEWEST: usize = 50;
 const ROUNDS: usize = 4;
 
 /// Points that are enough to grow a region by.
-const ENOUGH: usize = 10_000;
+const ENOUGH_POINTS_TO_GROW: usize = 10_000;
 
 /// A piece of a body that bends or tapers is at least so many radii long: shorter ones of what is no cylinder may pass for one.
 const LONG: f64 = 6.0;
@@ -39,35 +39,35 @@ const SETTLED: f64 = 0.02;
 type Fit = (Box<Fitter>, Box<FitResult>);
 
 impl Fits<'_> {
-    /// The fit of a region of a cloud; without a share the cylinder that was found. Where a region may be a part of its body it grows
+    /// The fit of a region of a cloud; without a budget the cylinder that was found. Where a region may be a part of its body it grows
     /// over the points that belong to no other yet.
     pub fn of_points(
         &self,
         points: &PointsView<'_>,
         looks: &Looks,
         task: &Task,
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<Box<Found>> {
         let mut detection = self.seen.cylinders[task.cylinder];
         let of_look = indices_of(&self.seen.labels, task.cylinder);
         let mut region: Vec<u32> = of_look.map(|k| looks.in_all(k)).collect();
         // With very many points each step takes as long as several of a fit.
-        let check = |iterations| match share {
-            Some(share) if share.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
+        let check = |iterations| match budget {
+            Some(budget) if budget.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
             _ => Ok(()),
         };
-        let rounds = if self.seen.whole || share.is_none() { 0 } else { ROUNDS };
+        let rounds = if self.seen.whole || budget.is_none() { 0 } else { ROUNDS };
         let mut last = None;
         for _ in 0..rounds {
             let few = thinned(&region);
             let seen = Detection { pixels: few.len(), ..detection };
-            let fit = self.of_region(points, looks, &few, &seen, share)?;
+            let fit = self.of_region(points, looks, &few, &seen, budget)?;
             let cylinder = fit.1.cylinder;
             last = Some(fit);
             // A body may have many points, for which no memory is kept.
             let next = apart(|| {
-                let reach = reach_of(&cylinder, places_of(looks, &region));
-                grown(&cylinder, reach, places_of(looks, &region), looks.near(&cylinder, reach))
+                let reach = reach_of(&cylinder, points_of(looks, &region));
+                grown(&cylinder, reach, points_of(looks, &region), looks.near(&cylinder, reach))
             });
             check(0)?;
             detection.cylinder = cylinder;
@@ -82,14 +82,14 @@ impl Fits<'_> {
             }
         }
         let mut is_one =
-            self.seen.whole || apart(|| is_round(&detection.cylinder, places_of(looks, &region)));
+            self.seen.whole || apart(|| is_round(&detection.cylinder, points_of(looks, &region)));
         // Errors that neighbours share look like a surface that is not round.
         let is_lenient = self.seen.whole && !self.seen.independent;
         check(0)?;
         let mut body = Vec::new();
         if rounds > 0
             && !is_one
-            && let Some((piece, cylinder)) = self.round_piece(points, looks, (&region, &detection), share)?
+            && let Some((piece, cylinder)) = self.round_piece(points, looks, (&region, &detection), budget)?
         {
             body = std::mem::replace(&mut region, piece);
             is_one = true;
@@ -104,10 +104,10 @@ impl Fits<'_> {
             none.score = 0.0;
             return Ok(none);
         }
-        let fit = self.of_region(points, looks, &region, &detection, share)?;
+        let fit = self.of_region(points, looks, &region, &detection, budget)?;
         check(fit.1.iterations)?;
         let (fitter, result);
-        ((fitter, result), region) = self.off_planes(points, looks, (fit, region), &detection, share)?;
+        ((fitter, result), region) = self.off_planes(points, looks, (fit, region), &detection, budget)?;
         check(result.iterations)?;
         // The score asks how well all points of the region determine the radius.
         let mut whole = self.fitter()?;
@@ -117,7 +117,7 @@ impl Fits<'_> {
         let mut found = found(fitter, evidence, &detection, &result);
         // A box within the reach of a cylinder is none.
         let is_poor = || found.result.flags.contains(Flags::POOR_FIT);
-        let fits = || apart(|| is_round(&found.result.cylinder, places_of(looks, &region)));
+        let fits = || apart(|| is_round(&found.result.cylinder, points_of(looks, &region)));
         let is_one = is_one && (is_lenient || !is_poor() && (!self.seen.whole || fits()));
         found.score = if is_one { with_odds_divided(found.score, self.tries) } else { 0.0 };
         (found.region, found.body) = (region, body);
@@ -126,19 +126,19 @@ impl Fits<'_> {
 
     /// A piece of a long body that bends or tapers, such as a trunk, for which it is a cylinder: half of it about the middle of its points,
     /// half of that, and so on. `None` where none is.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn round_piece(
         &self,
         points: &PointsView<'_>,
         looks: &Looks,
         (region, detection): (&[u32], &Detection),
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<Option<(Vec<u32>, Cylinder)>> {
         let (mut piece, mut cylinder) = (region.to_vec(), detection.cylinder);
         loop {
             let positions: Vec<f64> =
-                places_of(looks, &piece).map(|point| cylinder.axis.position_of(&point)).collect();
-            let [first, last] = ends_of(&positions);
+                points_of(looks, &piece).map(|point| cylinder.axis.position_of(&point)).collect();
+            let [first, last] = min_max(&positions);
             let half = 0.25 * (last - first);
             let middle = median(&mut positions.clone());
             let mut inside = positions.iter().map(|position| (position - middle).abs() <= half);
@@ -148,8 +148,8 @@ impl Fits<'_> {
             }
             let few = thinned(&piece);
             let seen = Detection { cylinder, pixels: few.len(), ..*detection };
-            cylinder = self.of_region(points, looks, &few, &seen, share)?.1.cylinder;
-            if apart(|| is_round(&cylinder, places_of(looks, &piece))) {
+            cylinder = self.of_region(points, looks, &few, &seen, budget)?.1.cylinder;
+            if apart(|| is_round(&cylinder, points_of(looks, &piece))) {
                 return Ok(Some((piece, cylinder)));
             }
         }
@@ -162,20 +162,20 @@ impl Fits<'_> {
         looks: &Looks,
         region: &[u32],
         detection: &Detection,
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<Fit> {
         let fit = |chosen: &[u32]| {
             let mut fitter = self.fitter()?;
             fitter.push_numbered(points, chosen.iter().map(|&k| looks.given(k)))?;
             fitter.know_as_body();
-            let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), share, 0.0)?;
+            let result = self.fit_within(&mut fitter, detection, &RigidMotion::identity(), budget, 0.0)?;
             Ok((fitter, result))
         };
         let middle = |cylinder: &Cylinder| self.middle(looks, region, cylinder);
         let mut chosen = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(region))?;
         // Which points lie in the middle follows from the radius.
-        for _ in 1..share.map_or(1, |_| ROUNDS.min(self.attempts())) {
+        for _ in 1..budget.map_or(1, |_| ROUNDS.min(self.attempts())) {
             let next = middle(&result.cylinder);
             if next.is_none() || next == chosen {
                 break;
@@ -188,22 +188,22 @@ impl Fits<'_> {
 
     /// A fit without points of planes that touch the body or cross it, such as a floor on which it lies, and what is left of its region.
     /// Where a sensor that draws points out next to limbs has seen the cloud, these errors outweigh such points.
-    #[inline(never)] // Frames of ways that are not taken need no stack.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     fn off_planes(
         &self,
         points: &PointsView<'_>,
         looks: &Looks,
         (fit, region): (Fit, Vec<u32>),
         detection: &Detection,
-        share: Option<&Share<'_>>,
+        budget: Option<&WorkBudget<'_>>,
     ) -> Result<(Fit, Vec<u32>)> {
-        if self.seen.seen_from.is_some() || share.is_none() {
+        if self.seen.seen_from.is_some() || budget.is_none() {
             return Ok((fit, region));
         }
         let surface = |(_, result): &Fit| (result.cylinder, result.point_scale);
         let axis = &fit.1.cylinder.axis;
         let [first, last] =
-            ends_of(&places_of(looks, &region).map(|point| axis.position_of(&point)).collect::<Vec<f64>>());
+            min_max(&points_of(looks, &region).map(|point| axis.position_of(&point)).collect::<Vec<f64>>());
         let around = |(_, result): &Fit| {
             let cylinder = &result.cylinder;
             let along = first - cylinder.radius..last + cylinder.radius;
@@ -218,26 +218,26 @@ impl Fits<'_> {
                 return Ok(None);
             }
             let seen = Detection { cylinder: before.1.cylinder, pixels: rest.len(), ..*detection };
-            let again = self.of_region(points, looks, rest, &seen, share)?;
+            let again = self.of_region(points, looks, rest, &seen, budget)?;
             Ok((is_as_good(&before.1, &again.1) && contradict(&before.1, &again.1)).then_some(again))
         };
         let own = apart(|| region.iter().copied().collect());
-        let (fit, left, _) = off_planes((fit, own), surface, |k| looks.place(k), around, refit)?;
+        let (fit, left, _) = off_planes((fit, own), surface, |k| looks.point(k), around, refit)?;
         Ok((fit, left.to_vec()))
     }
 
     /// The points of a region, by their numbers, between the parts next to the limbs, which structured light and
-    /// stereo draw out; `None` where they were seen from more than one place, or from inside, where there are no limbs, and where
+    /// stereo draw out; `None` where they were seen from more than one position, or from inside, where there are no limbs, and where
     /// little or less than half of the region would be left.
     fn middle(&self, looks: &Looks, region: &[u32], cylinder: &Cylinder) -> Option<Vec<u32>> {
-        let place = self.seen.seen_from?;
-        let axis = Line { point: cylinder.axis.point - place, ..cylinder.axis };
+        let observer = self.seen.seen_from?;
+        let axis = Line { point: cylinder.axis.point - observer, ..cylinder.axis };
         let seen = Cylinder { axis, ..*cylinder };
         if seen.contains_origin() {
             return None;
         }
         let band = Band::new(&seen, MIDDLE);
-        let inner = region.iter().copied().filter(|&k| band.contains(&(looks.place(k) - place)));
+        let inner = region.iter().copied().filter(|&k| band.contains(&(looks.point(k) - observer)));
         let middle: Vec<u32> = inner.collect();
         (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
     }
@@ -245,10 +245,10 @@ impl Fits<'_> {
 
 /// Points of a region, spread over all of it, that lead to its body.
 fn thinned(region: &[u32]) -> Vec<u32> {
-    region.iter().copied().step_by(region.len().div_ceil(ENOUGH).max(1)).collect()
+    region.iter().copied().step_by(region.len().div_ceil(ENOUGH_POINTS_TO_GROW).max(1)).collect()
 }
 
 /// Where the points of a region lie.
-fn places_of(looks: &Looks, region: &[u32]) -> impl ExactSizeIterator<Item = Vector3<f64>> + Clone {
-    region.iter().map(|&k| looks.place(k))
+fn points_of(looks: &Looks, region: &[u32]) -> impl ExactSizeIterator<Item = Vector3<f64>> + Clone {
+    region.iter().map(|&k| looks.point(k))
 }

@@ -52,18 +52,18 @@ impl Work {
         self.visits[..fits].iter().map(|visits| visits.load(Ordering::Relaxed)).sum()
     }
 
-    /// The share of a fit in what is left; `None` where nothing is. Fits before it that other threads are at may yet leave
+    /// The budget of a fit, which is what is left; `None` where nothing is. Fits before it that other threads are at may yet leave
     /// less.
-    pub fn share<'a>(&'a self, fit: usize, poll: &'a Poll<'a>) -> Option<Share<'a>> {
+    pub fn budget<'a>(&'a self, fit: usize, poll: &'a Poll<'a>) -> Option<WorkBudget<'a>> {
         let limit = self.limit.saturating_sub(self.done(fit));
-        let share = Share {
+        let budget = WorkBudget {
             visits: &self.visits[fit],
             limit,
             of_fit: Cell::new(VISITS_OF_FIT),
             of_question: Cell::new(VISITS_OF_QUESTION),
             poll,
         };
-        (limit > 0).then_some(share)
+        (limit > 0).then_some(budget)
     }
 
     /// The first fit, of all that are done, with which the work was at an end; `None` where there was enough for all.
@@ -77,7 +77,7 @@ impl Work {
 }
 
 /// What the fits to one region may do, and have done.
-pub(super) struct Share<'a> {
+pub(super) struct WorkBudget<'a> {
     visits: &'a AtomicU64,
     limit: u64,
     of_fit: Cell<u64>,
@@ -85,7 +85,7 @@ pub(super) struct Share<'a> {
     poll: &'a Poll<'a>,
 }
 
-impl Share<'_> {
+impl WorkBudget<'_> {
     /// Sets the pixels of the region, and the length of its limbs in an image in pixels, and counts what its ends take.
     pub fn set_region(&self, pixels: usize, limb: f64) {
         let (pixels, limb) = (pixels as u64, limb as u64);
@@ -122,21 +122,21 @@ mod tests {
         let poll = || ControlFlow::Continue(());
         let work = Work::after_search(VISITS - 16_000_000, PIXELS, 4);
         for fit in 0..3 {
-            let share = work.share(fit, &poll).unwrap();
-            share.set_region(70_000, 300.0);
-            share.begin();
+            let budget = work.budget(fit, &poll).unwrap();
+            budget.set_region(70_000, 300.0);
+            budget.begin();
             let of_fits = 2 * (50_000 + 16 * 70_000 + 800 * 300);
             let left = 16_000_000 - fit as u64 * 6_000_000 - of_fits;
-            let asked = (0..if fit == 2 { u64::MAX } else { 0 }).take_while(|_| share.ask().is_continue());
+            let asked = (0..if fit == 2 { u64::MAX } else { 0 }).take_while(|_| budget.ask().is_continue());
             assert_eq!(asked.count() as u64, if fit == 2 { left.div_ceil(20_120) } else { 0 });
             if fit < 2 {
-                share.visits.store(6_000_000, Ordering::Relaxed);
+                budget.visits.store(6_000_000, Ordering::Relaxed);
                 assert_eq!(work.last(), None);
             }
         }
-        assert!(work.share(3, &poll).is_none());
+        assert!(work.budget(3, &poll).is_none());
         assert_eq!(work.last(), Some(2));
-        assert!(work.left(1).share(0, &poll).is_none());
+        assert!(work.left(1).budget(0, &poll).is_none());
         work.visits[2].store(1_000_000, Ordering::Relaxed);
         assert_eq!(work.left(5).limit, 3_000_000);
     }
@@ -146,8 +146,8 @@ mod tests {
         let poll = || ControlFlow::Break(());
         let work = Work::after_search(0, 4 * PIXELS, 1);
         assert_eq!(work.limit, 4 * VISITS);
-        let share = work.share(0, &poll).unwrap();
-        assert!(share.ask().is_break());
+        let budget = work.budget(0, &poll).unwrap();
+        assert!(budget.ask().is_break());
         assert_eq!(work.last(), None);
     }
 }

@@ -405,7 +405,7 @@ impl Step {
     }
 }
 
-/// The normal equations of a frame where the cost is lower than `cost`. The first step from a place is nearly always
+/// The normal equations of a frame where the cost is lower than `cost`. The first step from a position is nearly always
 /// taken, so it is linearised at once; after a rejection the cost alone comes first.
 fn lower(
     objective: &(impl Objective + ?Sized),

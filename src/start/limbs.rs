@@ -17,7 +17,7 @@ mod votes;
 use crate::geometry::{Cylinder, LimbFrame};
 use crate::memory::List;
 use crate::residuals::{Progress, Reweighting, Scale};
-use crate::statistics::ends;
+use crate::statistics::min_max_of;
 use nalgebra::Vector3;
 use votes::Points;
 
@@ -107,7 +107,7 @@ impl LimbPair {
         let forward = (sum - normal * sum.dot(&normal)).try_normalize(1e-9)?;
         let across = normal.cross(&forward);
         let angle = |ray: Vector3<f64>| ray.dot(&across).atan2(ray.dot(&forward));
-        let [low, high] = ends([a, b, c, d].into_iter().map(angle));
+        let [low, high] = min_max_of([a, b, c, d].into_iter().map(angle));
         let tilt_range = (high + LEAST_ANGLE, low + std::f64::consts::PI - LEAST_ANGLE);
         (tilt_range.0 < tilt_range.1).then_some(Self {
             rays: [[a, b], [c, d]],

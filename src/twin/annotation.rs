@@ -91,7 +91,7 @@ pub(super) fn end_seen(
     side: f64,
     visible: impl Fn(&Vector3<f64>) -> bool,
 ) -> bool {
-    const PLACES: usize = 24;
+    const SAMPLES: usize = 24;
     let axis = &truth.cylinder.axis;
     let toward = -axis.nearest_to_origin().normalize();
     let aside = axis.direction.cross(&toward);
@@ -99,9 +99,9 @@ pub(super) fn end_seen(
     let middle = truth.center + axis.direction * (side * (0.5 * truth.length - 0.01 * truth.cylinder.radius));
     let seen = |k: usize| {
         let (sine, cosine) =
-            libm::sincos(std::f64::consts::PI * ((k as f64 + 0.5) / PLACES as f64 - 0.5) * 0.9);
+            libm::sincos(std::f64::consts::PI * ((k as f64 + 0.5) / SAMPLES as f64 - 0.5) * 0.9);
         let point = middle + (toward * cosine + aside * sine) * truth.cylinder.radius;
         camera.project(&point).is_some_and(|pixel| camera.contains(&pixel)) && visible(&point)
     };
-    (0..PLACES).filter(|k| seen(*k)).count() * 10 >= PLACES * 9
+    (0..SAMPLES).filter(|k| seen(*k)).count() * 10 >= SAMPLES * 9
 }

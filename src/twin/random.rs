@@ -82,7 +82,7 @@ impl Stream {
     }
 }
 
-/// A number in [0, 1) that belongs to a place: a finalizer of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
+/// A number in [0, 1) that belongs to a position: a finalizer of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
 #[must_use]
 pub(super) fn hash(seed: u64, x: i64, y: i64) -> f64 {
     let mut z = seed

@@ -38,7 +38,7 @@ impl Key {
     }
 }
 
-/// The mean over each pixel, row by row; `look` is asked for places in pixels, whose centres are integers.
+/// The mean over each pixel, row by row; `look` is asked for positions in pixels, whose centres are integers.
 pub fn mean_over_pixels<const N: usize>(
     (width, height): (usize, usize),
     look: impl Fn(f64, f64) -> Sample<N>,
@@ -66,20 +66,20 @@ pub fn mean_over_pixels<const N: usize>(
     (0..width * height).map(mean).collect()
 }
 
-/// Places that cover a pixel evenly, shifted by another amount in each pixel so that what is left of their error averages
+/// Samples that cover a pixel evenly, shifted by another amount in each pixel so that what is left of their error averages
 /// out along an edge: a Fibonacci lattice (Niederreiter, Random number generation and quasi-Monte Carlo methods, 1992).
 fn offsets(x: i64, y: i64) -> impl Iterator<Item = [f64; 2]> {
     let shift = [hash(0, x, y), hash(1, x, y)];
-    let place = move |k: usize| {
-        let lattice = [k, k * STRIDE % RAYS].map(|place| place as f64 / RAYS as f64);
+    let sample = move |k: usize| {
+        let lattice = [k, k * STRIDE % RAYS].map(|index| index as f64 / RAYS as f64);
         [0, 1].map(|axis| wrapped(lattice[axis] + shift[axis]))
     };
-    (0..RAYS).map(place)
+    (0..RAYS).map(sample)
 }
 
 /// Into [−1/2, 1/2).
-fn wrapped(place: f64) -> f64 {
-    place - libm::floor(place + 0.5)
+fn wrapped(coordinate: f64) -> f64 {
+    coordinate - libm::floor(coordinate + 0.5)
 }
 
 /// Blurs an image by a Gaussian of a standard deviation in pixels; beyond the border the image goes on as it ends.

@@ -1,4 +1,4 @@
-//! Scenes: bodies in the frame of the colour camera, their surfaces, the light, and what is seen from a place.
+//! Scenes: bodies in the frame of the colour camera, their surfaces, the light, and what is seen from a position.
 
 use super::random::hash;
 use super::shape::{Face, Part, Shape};
@@ -65,7 +65,7 @@ fn smooth(seed: u64, at: [f64; 2]) -> f64 {
 pub struct Material {
     /// The share of light that comes back in all directions (Lambert), from 0 to 1.
     pub albedo: f64,
-    /// The same of the flat ends.
+    /// The share of light that comes back in all directions from the flat ends, from 0 to 1.
     pub cap_albedo: f64,
     /// What is printed on it.
     pub texture: Texture,
@@ -81,7 +81,7 @@ impl Default for Material {
     }
 }
 
-/// A body at its place.
+/// A body at its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
     /// What the labels call it; bodies of one object share it. 0 for table and walls.
@@ -195,7 +195,7 @@ impl Patch {
     }
 }
 
-/// A place from which rays go out: what does not depend on the ray is computed once.
+/// A position from which rays go out: what does not depend on the ray is computed once.
 #[derive(Debug)]
 pub struct Viewpoint<'a> {
     scene: &'a Scene,
@@ -203,10 +203,10 @@ pub struct Viewpoint<'a> {
     sights: Vec<Sight>,
 }
 
-/// A body as it is seen from a place.
+/// A body as it is seen from a position.
 #[derive(Debug)]
 struct Sight {
-    /// The place in the frame of the body.
+    /// The position in the frame of the body.
     from: Vector3<f64>,
     /// Rays within this cone may meet it: the direction of its middle, and the cosine of the angle.
     toward: Vector3<f64>,
@@ -214,7 +214,7 @@ struct Sight {
 }
 
 impl<'a> Viewpoint<'a> {
-    /// A place in a scene.
+    /// A position in a scene.
     #[must_use]
     pub fn new(scene: &'a Scene, origin: Vector3<f64>) -> Self {
         let sight = |body: &Body| {
@@ -280,7 +280,7 @@ impl<'a> Viewpoint<'a> {
         }
     }
 
-    /// Whether nothing stands between this place and a point on a surface.
+    /// Whether nothing stands between this position and a point on a surface.
     #[must_use]
     pub fn sees(&self, point: &Vector3<f64>) -> bool {
         // The surface itself is met at 1 to rounding.

@@ -149,9 +149,9 @@ impl Canvas {
 
     /// Where a pixel position of the image lies on the canvas: pixel centres are at whole numbers in the
     /// image and at halves here.
-    pub fn place(&self, position: &Vector2<f64>) -> (f32, f32) {
-        let place = (position - self.corner).add_scalar(0.5) * self.scale;
-        (place.x as f32, place.y as f32)
+    pub fn point(&self, position: &Vector2<f64>) -> (f32, f32) {
+        let point = (position - self.corner).add_scalar(0.5) * self.scale;
+        (point.x as f32, point.y as f32)
     }
 
     /// So many pixels of the canvas in pixels of the image.
@@ -161,7 +161,7 @@ impl Canvas {
 
     /// Where a position of the image lies, as parts of width and height of the part that is shown.
     pub fn part(&self, position: &Vector2<f64>) -> [f32; 2] {
-        let (x, y) = self.place(position);
+        let (x, y) = self.point(position);
         [x / self.width() as f32, y / self.image_height as f32]
     }
 
@@ -171,13 +171,13 @@ impl Canvas {
         let mut broken = true;
         for position in positions {
             // Far outside there is nothing to see, and single precision runs out.
-            let place = position.map(|p| self.place(&p)).filter(|(x, y)| x.abs() < 1e5 && y.abs() < 1e5);
-            match place {
+            let point = position.map(|p| self.point(&p)).filter(|(x, y)| x.abs() < 1e5 && y.abs() < 1e5);
+            match point {
                 Some((x, y)) if broken => path.move_to(x, y),
                 Some((x, y)) => path.line_to(x, y),
                 None => {}
             }
-            broken = place.is_none();
+            broken = point.is_none();
         }
         if let Some(path) = path.finish() {
             self.stroke(&path, Pen { color: HALO, width: pen.width + 2.0, ..pen });
@@ -187,10 +187,10 @@ impl Canvas {
 
     /// A filled dot at a position in the image.
     pub fn dot(&mut self, position: &Vector2<f64>, radius: f32, color: Color) {
-        self.mark(self.place(position), radius, color);
+        self.mark(self.point(position), radius, color);
     }
 
-    /// A filled dot at a place of the canvas.
+    /// A filled dot at a position of the canvas.
     pub fn mark(&mut self, (x, y): (f32, f32), radius: f32, color: Color) {
         for (radius, color) in [(radius + 1.0, HALO), (radius, color)] {
             if let Some(path) = PathBuilder::from_circle(x, y, radius) {
@@ -199,7 +199,7 @@ impl Canvas {
         }
     }
 
-    /// A line between two places of the canvas.
+    /// A line between two positions of the canvas.
     pub fn line(&mut self, (x0, y0): (f32, f32), (x1, y1): (f32, f32), pen: Pen) {
         let mut path = PathBuilder::new();
         path.move_to(x0, y0);
@@ -223,7 +223,7 @@ impl Canvas {
         self.bar((0.0, top as f32), size, BAND);
     }
 
-    /// Text with its upper left corner at a place of the canvas; what does not fit is cut off.
+    /// Text with its upper left corner at a position of the canvas; what does not fit is cut off.
     pub fn text(&mut self, (x, y): (u32, u32), text: &str, color: [u8; 3], bold: bool) {
         let weight = if bold { FontWeight::Bold } else { FontWeight::Regular };
         let (width, height) = (self.pixels.width(), self.pixels.height());

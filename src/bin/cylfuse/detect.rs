@@ -213,14 +213,14 @@ fn picture(
 
 /// The measured points of a frame, of every other row and column.
 fn measured(camera: &Camera, depth: &DepthImage) -> Vec<[f64; 3]> {
-    let places =
+    let pixels =
         (0..depth.height()).step_by(2).flat_map(|row| (0..depth.width()).step_by(2).map(move |x| (x, row)));
     let point = |(column, row): (usize, usize)| {
         let z = depth.depth(column, row)?;
         let point = camera.unproject(&Vector2::new(column as f64, row as f64))? * z;
         Some(point.into())
     };
-    places.filter_map(point).collect()
+    pixels.filter_map(point).collect()
 }
 
 /// The points of a frame in the frame of its camera, and the number of the cylinder of each: what the pixels of the

@@ -68,9 +68,9 @@ impl Failure {
         Self { status: "PANIC", message }
     }
 
-    /// The same, said of a place in a frame file.
-    pub fn in_frame(self, path: &Path, place: &str) -> Self {
-        Self::file(self.status, path, format!("{place}: {}", self.message))
+    /// The same, said of a location in a frame file.
+    pub fn in_frame(self, path: &Path, location: &str) -> Self {
+        Self::file(self.status, path, format!("{location}: {}", self.message))
     }
 
     /// The same, with what else may be the cause.

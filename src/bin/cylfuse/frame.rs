@@ -159,11 +159,12 @@ impl Frame {
 }
 
 impl View {
-    /// Reads the images of a view; `place` is where it stands in the file.
-    fn read(path: &Path, place: &str, fields: ViewFields, with_image: bool) -> Result<Self, Failure> {
+    /// Reads the images of a view; `location` is where it stands in the file.
+    fn read(path: &Path, location: &str, fields: ViewFields, with_image: bool) -> Result<Self, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let at =
-            |name: &'static str| move |error| Failure::from(error).in_frame(path, &format!("{place}{name}"));
+        let at = |name: &'static str| {
+            move |error| Failure::from(error).in_frame(path, &format!("{location}{name}"))
+        };
         let camera = fields.camera.camera().map_err(at("camera"))?;
         let pose = fields.pose.map(|pose| pose.motion()).transpose().map_err(at("pose"))?;
         let depth_camera = fields.depth_camera.map(DepthCameraFields::depth_camera).transpose();
@@ -249,21 +250,21 @@ fn parse(path: &Path) -> Result<Content, Failure> {
     }
 }
 
-/// Reads JSON; what is wrong is named by its place.
+/// Reads JSON; what is wrong is named by its location.
 fn deserialize<'a, T: Deserialize<'a>>(path: &Path, text: &'a [u8]) -> Result<T, Failure> {
     let mut json = serde_json::Deserializer::from_slice(text);
     let content = serde_path_to_error::deserialize(&mut json).map_err(|error| {
-        let place = error.path().to_string();
+        let location = error.path().to_string();
         let reason = error.into_inner();
         // "." and "?" stand for the whole file, or for what ends within a field.
-        let place = place.trim_end_matches(['.', '?']);
-        let colon = if place.is_empty() { "" } else { ": " };
+        let location = location.trim_end_matches(['.', '?']);
+        let colon = if location.is_empty() { "" } else { ": " };
         // A field that is missing, misspelt or of another type.
         if reason.is_data() {
             let remedy = "cylfuse fit --help lists the fields";
-            return Failure::bad_frame(path, format!("{place}{colon}{reason}; {remedy}"));
+            return Failure::bad_frame(path, format!("{location}{colon}{reason}; {remedy}"));
         }
-        Failure::bad_frame(path, format!("{place}{colon}{}", no_json(&reason)))
+        Failure::bad_frame(path, format!("{location}{colon}{}", no_json(&reason)))
     })?;
     json.end().map_err(|error| Failure::bad_frame(path, no_json(&error)))?;
     Ok(content)

@@ -67,7 +67,7 @@ pub struct Overlay<'a> {
     pub camera: &'a Camera,
     /// Extent and numbers of the fit.
     pub measurement: &'a Measurement,
-    /// The places of the ends in the image.
+    /// The positions of the ends in the image.
     pub arcs: &'a [Vec<ArcSample>; 2],
     /// The pixels (column, row) with completed points.
     pub completed: &'a [(u32, u32)],
@@ -157,19 +157,19 @@ impl Overlay<'_> {
     /// The samples of limbs and ends, and the lines located through them.
     fn draw_samples(&self, canvas: &mut Canvas) {
         let camera = self.camera;
-        let place = |ideal: &Vector2<f64>| camera.project(&camera.ideal_ray(ideal));
+        let pixel = |ideal: &Vector2<f64>| camera.project(&camera.ideal_ray(ideal));
         for limb in self.fitter.limbs().into_iter().flatten() {
             if let (Ok(line), [first, .., last]) = (limb.line, &limb.samples[..]) {
                 let along = (line.ends[1] - line.ends[0]).normalize();
                 let foot =
                     |sample: &LimbSample| line.ends[0] + along * (sample.position - line.ends[0]).dot(&along);
                 let (from, to) = (foot(first), foot(last));
-                let sample = |k: usize| place(&from.lerp(&to, k as f64 / LINE_SAMPLES as f64));
+                let sample = |k: usize| pixel(&from.lerp(&to, k as f64 / LINE_SAMPLES as f64));
                 canvas.polyline((0..=LINE_SAMPLES).map(sample), LOCATED_PEN);
             }
             for sample in &limb.samples {
                 let color = if limb.uses(sample) { USED } else { REFUSED };
-                if let Some(at) = place(&sample.position) {
+                if let Some(at) = pixel(&sample.position) {
                     canvas.dot(&at, LIMB_SAMPLE, color);
                 }
             }
@@ -268,7 +268,7 @@ impl Overlay<'_> {
 fn label(canvas: &mut Canvas, at: &Vector2<f64>, state: &str) {
     const PADDING: f32 = 4.0;
     let (width, height) = (text_width(state) as f32, 16.0);
-    let (x, y) = canvas.place(at);
+    let (x, y) = canvas.point(at);
     let fit = |center: f32, size: f32, most: u32| {
         (center - 0.5 * size).min(most as f32 - size - 2.0 * PADDING).max(2.0 * PADDING).floor()
     };

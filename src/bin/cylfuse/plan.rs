@@ -159,19 +159,19 @@ fn reasons(rows: &[Row], vary: Option<&Vary>) -> String {
     let line = |run: Vec<(&Row, &Failure)>| {
         let [(first, failure), ..] = run[..] else { return String::new() };
         let value = |row: &Row| row.value.map(shown).unwrap_or_default();
-        let place = match (vary, run.last()) {
+        let location = match (vary, run.last()) {
             (Some(vary), Some((end, _))) => {
                 let (name, unit) = vary.quantity.title();
                 let range = if run.len() > 1 { format!(" to {}", value(end)) } else { String::new() };
-                let place = format!(" at a {name} of {}{range} {unit}", value(first));
+                let location = format!(" at a {name} of {}{range} {unit}", value(first));
                 // The message is that of the first.
                 let alike = run.iter().all(|(_, other)| other.message == failure.message);
                 let first = format!(" (numbers at {})", format!("{} {unit}", value(first)).trim_end());
-                format!("{}{}", place.trim_end(), if alike { "" } else { &first })
+                format!("{}{}", location.trim_end(), if alike { "" } else { &first })
             }
             _ => String::new(),
         };
-        format!("not measured{place}: {}\n", failure.message)
+        format!("not measured{location}: {}\n", failure.message)
     };
     runs.into_iter().map(line).collect()
 }

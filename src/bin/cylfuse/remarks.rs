@@ -29,7 +29,7 @@ const LEAST_VALUES: usize = 8;
 pub fn of_frame(views: &[View], radius_min: f64) -> Vec<String> {
     let mut all = Vec::new();
     for (index, view) in views.iter().enumerate() {
-        let place = if views.len() > 1 { format!("views[{index}].") } else { String::new() };
+        let prefix = if views.len() > 1 { format!("views[{index}].") } else { String::new() };
         let own = view.depth_camera.as_ref();
         let cameras = [
             Some(("camera", view.camera.intrinsics())),
@@ -39,7 +39,7 @@ pub fn of_frame(views: &[View], radius_min: f64) -> Vec<String> {
             [principal_point(name, intrinsics), focal_lengths(name, intrinsics)]
         });
         let found = found.chain([depth(view, radius_min)]);
-        all.extend(found.flatten().map(|remark| format!("{place}{remark}")));
+        all.extend(found.flatten().map(|remark| format!("{prefix}{remark}")));
     }
     all
 }

@@ -75,7 +75,7 @@ impl ScenePicture<'_> {
         for (index, (found, middle)) in self.cylinders.iter().zip(middles).enumerate() {
             let number = (index + 1).to_string();
             if let Some(middle) = middle {
-                let (x, y) = canvas.place(&middle);
+                let (x, y) = canvas.point(&middle);
                 canvas.bar((x - 2.0, y - 10.0), (12.0 * number.len() as f32, 20.0), [0, 0, 0, 170]);
                 canvas.text((x as u32, (y - 9.0).max(0.0) as u32), &number, [255; 3], true);
             }

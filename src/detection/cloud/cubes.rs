@@ -1,7 +1,7 @@
 //! A cloud in cubes: what is near lies one after the other.
 
 use super::points::Points;
-use super::{Asked, BETWEEN_QUESTIONS, STRAY};
+use super::{BETWEEN_QUESTIONS, CancelCheck, STRAY};
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::observations::PointsView;
@@ -33,16 +33,16 @@ struct Cubes {
 }
 
 impl Cubes {
-    /// `None` where there are no points, or all at one place.
-    fn about(points: &Points, asked: &Asked<'_>) -> Result<Option<Self>> {
+    /// `None` where there are no points, or all coincide.
+    fn about(points: &Points, check_cancel: &CancelCheck<'_>) -> Result<Option<Self>> {
         let (mut low, mut size) = (Vector3::zeros(), 0.0_f64);
         for (axis, low) in points.axes.iter().zip(&mut low) {
-            asked()?;
+            check_cancel()?;
             let values: Vec<f64> = axis.iter().filter(|x| !x.is_nan()).map(|x| f64::from(*x)).collect();
             if values.is_empty() {
                 return Ok(None);
             }
-            asked()?;
+            check_cancel()?;
             let [first, last] = at_both_ends(&values, (STRAY * values.len() as f64) as usize);
             *low = first;
             size = size.max(last - first);
@@ -57,13 +57,13 @@ impl Cubes {
         if inside { at.iter().fold(0, |number, x| number * COUNT + *x as u32) } else { NONE }
     }
 
-    fn place(number: u32) -> [u32; 3] {
+    fn indices(number: u32) -> [u32; 3] {
         [number / (COUNT * COUNT), number / COUNT % COUNT, number % COUNT]
     }
 
     fn middle(&self, number: u32) -> Vector3<f64> {
-        let place = Vector3::from(Self::place(number)).map(|k| f64::from(k) - f64::from(MARGIN) + 0.5);
-        self.low + self.edge * place
+        let middle = Vector3::from(Self::indices(number)).map(|k| f64::from(k) - f64::from(MARGIN) + 0.5);
+        self.low + self.edge * middle
     }
 
     /// The tile in which a cube lies, an edge of a tile being 2^-level of the longest side. They are laid half an edge off the box: no
@@ -73,7 +73,7 @@ impl Cubes {
             return None;
         }
         let edge = 1 << (FINE - level);
-        let tile = Self::place(number).map(|k| (k + edge / 2).checked_sub(MARGIN).map(|k| k / edge));
+        let tile = Self::indices(number).map(|k| (k + edge / 2).checked_sub(MARGIN).map(|k| k / edge));
         let [Some(x), Some(y), Some(z)] = tile else { return None };
         [x, y, z].iter().all(|k| *k <= 1 << level).then_some([x, y, z])
     }
@@ -90,10 +90,14 @@ pub(super) struct Order {
 }
 
 impl Order {
-    /// The order of points of the caller's, and these in it, where they do not lie all at one place. What is far away or of no use comes
+    /// The order of points of the caller's, and these in it, where they do not all coincide. What is far away or of no use comes
     /// last.
-    pub fn of(view: &PointsView<'_>, points: Points, asked: &Asked<'_>) -> Result<(Option<Self>, Points)> {
-        let Some(cubes) = Cubes::about(&points, asked)? else { return Ok((None, points)) };
+    pub fn of(
+        view: &PointsView<'_>,
+        points: Points,
+        check_cancel: &CancelCheck<'_>,
+    ) -> Result<(Option<Self>, Points)> {
+        let Some(cubes) = Cubes::about(&points, check_cancel)? else { return Ok((None, points)) };
         let count = points.len();
         // Much memory in a large cloud.
         drop(points);
@@ -103,7 +107,7 @@ impl Order {
         for row in 0..height {
             for column in 0..width {
                 if of_points.len().is_multiple_of(BETWEEN_QUESTIONS) {
-                    asked()?;
+                    check_cancel()?;
                 }
                 let cube = cubes.number(&view.points.at(column, row));
                 ends[cube as usize] += 1;
@@ -120,7 +124,7 @@ impl Order {
             *points = end;
         }
         firsts.push((NONE + 1, end));
-        asked()?;
+        check_cancel()?;
         let mut numbers = vec![0; count];
         for (k, cube) in of_points.iter().enumerate().rev() {
             let end = &mut ends[*cube as usize];
@@ -130,7 +134,7 @@ impl Order {
         drop((of_points, ends));
         let mut points = Points::with_room(cubes.low, count)?;
         for numbers in numbers.chunks(BETWEEN_QUESTIONS) {
-            asked()?;
+            check_cancel()?;
             for &number in numbers {
                 let number = number as usize;
                 let (column, row) = if height == 1 { (number, 0) } else { (number % width, number / width) };
@@ -179,7 +183,7 @@ mod tests {
     use super::*;
     use crate::error::Error;
     use crate::geometry::Line;
-    use crate::statistics::ends;
+    use crate::statistics::min_max_of;
 
     /// A cube of 30 × 30 × 30 points, one point far away and one that is none.
     fn cloud() -> Vec<[f64; 3]> {
@@ -190,9 +194,10 @@ mod tests {
     }
 
     fn order(points: &[[f64; 3]]) -> (Order, Points) {
-        let (view, asked) = (PointsView::from_f64(points), || Ok(()));
+        let (view, check_cancel) = (PointsView::from_f64(points), || Ok(()));
         let (order, points) =
-            Order::of(&view, Points::read(&view, Vector3::zeros(), &asked).unwrap(), &asked).unwrap();
+            Order::of(&view, Points::read(&view, Vector3::zeros(), &check_cancel).unwrap(), &check_cancel)
+                .unwrap();
         (order.unwrap(), points)
     }
 
@@ -206,7 +211,7 @@ mod tests {
         assert!(numbers.into_iter().eq(0..given.len() as u32));
         for (k, &number) in order.numbers.iter().enumerate().filter(|(k, _)| points.is_usable(*k)) {
             assert!(
-                (points.place(k) - Vector3::from(given[number as usize])).norm()
+                (points.point(k) - Vector3::from(given[number as usize])).norm()
                     < 1e-5 * given[number as usize][0].abs().max(1.0)
             );
         }
@@ -233,7 +238,7 @@ mod tests {
         let (order, points) = order(&given);
         let axis = Line { point: Vector3::new(3.0, 4.0, 5.0), direction: Vector3::new(0.6, 0.0, 0.8) };
         let cylinder = Cylinder { axis, radius: 6.0 };
-        let distance = |k: usize| cylinder.distance(&points.place(k)).abs();
+        let distance = |k: usize| cylinder.distance(&points.point(k)).abs();
         let near: Vec<usize> = order.near(&cylinder, 0.5).collect();
         assert!(near.is_sorted_by(|a, b| a < b) && near.len() < given.len() / 3);
         let all = (0..points.len()).filter(|&k| distance(k) <= 0.5);
@@ -252,7 +257,7 @@ mod tests {
         for tile in &tiles {
             let numbers = || tile.iter().cloned().flatten();
             let range = |axis: usize| {
-                let [low, high] = ends(numbers().map(|k| points.at(k)[axis]));
+                let [low, high] = min_max_of(numbers().map(|k| points.at(k)[axis]));
                 high - low
             };
             assert!([0, 1, 2].into_iter().all(|axis| range(axis) <= 14.5));

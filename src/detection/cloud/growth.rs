@@ -4,7 +4,7 @@
 
 use super::members::reach;
 use crate::geometry::{Cylinder, any_orthogonal};
-use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_absolute};
 use nalgebra::Vector3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -149,15 +149,15 @@ pub(crate) fn is_round(
     region: impl ExactSizeIterator<Item = Vector3<f64>> + Clone,
 ) -> bool {
     let distances = region.clone().map(|point| cylinder.distance(&point));
-    let scatter = DEVIATION_OF_MEDIAN * median_size(distances);
+    let scatter = DEVIATION_OF_MEDIAN * median_absolute(distances);
     scatter <= MOST_SCATTER * cylinder.radius
         && bend(cylinder, region.clone()) >= LEAST_BEND * scatter
-        && misfit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius
+        && lack_of_fit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius
 }
 
 /// The standard deviation of the residuals of points beyond their noise: of their means over patches of the surface, where the points of
 /// one patch tell the noise.
-fn misfit(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
+fn lack_of_fit(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
     let (x, y) = any_orthogonal(&cylinder.axis.direction);
     let patch_of = |point: &Vector3<f64>| {
         let outward = outward(cylinder, point);
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn round_is_what_bends_by_more_than_its_noise_and_fits() {
         let round = |points: &[Vector3<f64>]| is_round(&cylinder(), points.iter().copied());
-        let misfit = |points: &[Vector3<f64>]| misfit(&cylinder(), points.iter().copied());
+        let lack_of_fit = |points: &[Vector3<f64>]| lack_of_fit(&cylinder(), points.iter().copied());
         let bend = |points: &[Vector3<f64>]| bend(&cylinder(), points.iter().copied());
         assert!(round(&half(0.0, 2.0, 0.0)));
         assert!(round(&half(0.0, 2.0, 0.05)));
@@ -261,7 +261,7 @@ mod tests {
         };
         assert!(round(&wider(0.03)));
         assert!(!round(&wider(0.1)));
-        // What fills the reach evenly has no misfit, and bends.
+        // What fills the reach evenly has no lack of fit, and bends.
         let filled: Vec<Vector3<f64>> = (-15..=15)
             .flat_map(|k| {
                 half(0.0, 2.0, 0.0).into_iter().map(move |p| {
@@ -270,11 +270,11 @@ mod tests {
                 })
             })
             .collect();
-        assert!(misfit(&filled) < OUT_OF_ROUND && bend(&filled) > 0.25);
+        assert!(lack_of_fit(&filled) < OUT_OF_ROUND && bend(&filled) > 0.25);
         assert!(!round(&filled));
         // A strip that bends by less than its noise.
         let strip = half(0.0, 2.0, 0.02).into_iter().filter(|p| p.x.abs() < 0.2).collect::<Vec<_>>();
-        assert!(misfit(&strip) < OUT_OF_ROUND);
+        assert!(lack_of_fit(&strip) < OUT_OF_ROUND);
         assert!(!round(&strip));
     }
 }

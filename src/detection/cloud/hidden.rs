@@ -1,6 +1,6 @@
 //! What other points of a cloud hide: without a camera nothing else tells that a far wall shines through a near one.
 
-use super::Asked;
+use super::CancelCheck;
 use super::image::{Image, NOTHING, depth_of};
 use super::looks::LEAST_SIDE;
 use super::points::Points;
@@ -48,10 +48,10 @@ impl Image {
     }
 
     /// How many of some points no others hide.
-    pub fn count_seen(&self, points: &Points, asked: &Asked<'_>) -> Result<usize> {
+    pub fn count_seen(&self, points: &Points, check_cancel: &CancelCheck<'_>) -> Result<usize> {
         let reach = self.reach();
         let mut count = 0;
-        self.raster.project(points, asked, |_, pixels, depths| {
+        self.raster.project(points, check_cancel, |_, pixels, depths| {
             let seen = |pixel: u32, z: f32| reach.get(pixel as usize).is_some_and(|reach| z <= *reach);
             count += pixels.iter().zip(depths).filter(|(pixel, z)| seen(**pixel, **z)).count();
         })?;

@@ -1,7 +1,7 @@
 //! What a camera at a cloud sees: the nearest point at each pixel.
 
 use super::points::{Points, Pose};
-use super::{Asked, BETWEEN_QUESTIONS, STRAY};
+use super::{BETWEEN_QUESTIONS, CancelCheck, STRAY};
 use crate::error::Result;
 use crate::statistics::at_both_ends;
 use nalgebra::Vector3;
@@ -187,14 +187,14 @@ impl Raster {
     pub fn project(
         &self,
         points: &Points,
-        asked: &Asked<'_>,
+        check_cancel: &CancelCheck<'_>,
         mut each: impl FnMut(usize, &[u32], &[f32]),
     ) -> Result<()> {
         let (mut pixels, mut depths) = ([0; BLOCK], [0.0; BLOCK]);
         let view = self.single();
         for first in (0..points.len()).step_by(BLOCK) {
             if first.is_multiple_of(BETWEEN_QUESTIONS) {
-                asked()?;
+                check_cancel()?;
             }
             let axes = part(points, first..points.len().min(first + BLOCK));
             let count = axes[0].len();
@@ -243,8 +243,8 @@ impl WithSimd for Projection<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { view, axes: [x, y, z], pixels, depths } = self;
         let View { pose, scale, low: [left, top], size: [right, bottom], width, outside } = *view;
-        let places = pixels.iter_mut().zip(depths);
-        for ((pixel, depth), ((x, y), z)) in places.zip(x.iter().zip(y).zip(z)) {
+        let projected = pixels.iter_mut().zip(depths);
+        for ((pixel, depth), ((x, y), z)) in projected.zip(x.iter().zip(y).zip(z)) {
             let [x, y, z] = turned(&pose, [*x, *y, *z]);
             let scale = scale / z;
             let (x, y) = (x * scale - left, y * scale - top);
@@ -277,25 +277,25 @@ impl Image {
         sample: &Points,
         (pose, widest): (&Pose, f64),
         memory: Vec<u64>,
-        asked: &Asked<'_>,
+        check_cancel: &CancelCheck<'_>,
     ) -> Result<Option<Self>> {
         let Some(slopes) = Slopes::of(sample, pose, widest) else { return Ok(None) };
         let in_front = slopes.in_front * points.usable as f64;
         let Some(raster) = Raster::new(in_front, &slopes, pose) else { return Ok(None) };
-        let mut image = Self::new(points, raster, memory, asked)?;
+        let mut image = Self::new(points, raster, memory, check_cancel)?;
         let filled = image.filled();
         let in_front = in_front / filled;
         if filled < NEARLY_FILLED {
             let Some(raster) = Raster::new(in_front, &slopes, pose) else { return Ok(None) };
-            image = Self::new(points, raster, image.nearest, asked)?;
+            image = Self::new(points, raster, image.nearest, check_cancel)?;
         }
-        let seen = image.count_seen(sample, asked)? as f64 / (slopes.in_front * sample.usable as f64);
+        let seen = image.count_seen(sample, check_cancel)? as f64 / (slopes.in_front * sample.usable as f64);
         image.seen = seen;
         if seen >= MOSTLY_SEEN {
             return Ok(Some(image));
         }
         let Some(raster) = Raster::new(seen * in_front, &slopes, pose) else { return Ok(None) };
-        let mut image = Self { seen, ..Self::new(points, raster, image.nearest, asked)? };
+        let mut image = Self { seen, ..Self::new(points, raster, image.nearest, check_cancel)? };
         image.close();
         Ok(Some(image))
     }
@@ -308,10 +308,15 @@ impl Image {
         (0..30).fold(part, |a, _| part / (1.0 - (-1.0 / a).exp())).min(1.0)
     }
 
-    fn new(points: &Points, raster: Raster, mut nearest: Vec<u64>, asked: &Asked<'_>) -> Result<Self> {
+    fn new(
+        points: &Points,
+        raster: Raster,
+        mut nearest: Vec<u64>,
+        check_cancel: &CancelCheck<'_>,
+    ) -> Result<Self> {
         nearest.clear();
         nearest.resize(raster.outside() + 1, NOTHING);
-        raster.project(points, asked, |first, pixels, depths| {
+        raster.project(points, check_cancel, |first, pixels, depths| {
             for (number, (pixel, depth)) in (first as u32..).zip(pixels.iter().zip(depths)) {
                 let seen = &mut nearest[*pixel as usize];
                 *seen = (*seen).min(at_depth(*depth, number));
@@ -345,8 +350,8 @@ impl Image {
         let nearest = &self.nearest[first + columns.start..first + columns.end];
         lists.iter_mut().for_each(|list| list.resize(nearest.len(), 0.0));
         let [x, y, z] = lists;
-        let places = x.iter_mut().zip(y.iter_mut()).zip(z.iter_mut());
-        for (seen, ((x, y), z)) in nearest.iter().zip(places) {
+        let coordinates = x.iter_mut().zip(y.iter_mut()).zip(z.iter_mut());
+        for (seen, ((x, y), z)) in nearest.iter().zip(coordinates) {
             let point = match *seen {
                 NOTHING => Vector3::zeros(),
                 seen => self.raster.pose.turn(&points.at(seen as u32 as usize)),
@@ -377,23 +382,23 @@ mod tests {
         let count = 2 * BETWEEN_QUESTIONS + 5;
         let points: Vec<[f32; 3]> =
             (0..count).map(|k| [(k % 1009) as f32 * 1e-3, (k / 1009) as f32 * 1e-3, 1.0]).collect();
-        let asked = std::cell::Cell::new(0);
+        let checks = std::cell::Cell::new(0);
         let end = std::cell::Cell::new(usize::MAX);
         let question = || {
-            asked.set(asked.get() + 1);
-            cancelled_if(asked.get() >= end.get())
+            checks.set(checks.get() + 1);
+            cancelled_if(checks.get() >= end.get())
         };
         let points = Points::read(&PointsView::from_f32(&points), Vector3::zeros(), &question).unwrap();
-        assert_eq!(asked.replace(0), 3);
+        assert_eq!(checks.replace(0), 3);
         let image = || Image::of(&points, &points, (&AS_GIVEN, 3.0), Vec::new(), &question);
         assert!(image().unwrap().is_some());
         // What is nearest by parts, and what of that is seen.
-        let all = asked.replace(0);
+        let all = checks.replace(0);
         assert_eq!(all, 3 + 3);
         for last in 1..=all {
             end.set(last);
             assert!(matches!(image(), Err(Error::Cancelled { .. })));
-            assert_eq!(asked.replace(0), last);
+            assert_eq!(checks.replace(0), last);
         }
     }
 
@@ -418,9 +423,9 @@ mod tests {
             within += usize::from(front);
             assert_eq!(slopes[k].to_bits(), wide[k].to_bits());
             assert!(if front { slopes[k] == f64::from(x / z) } else { slopes[k].is_nan() }, "{x} {y} {z}");
-            let place = [x * (10.0 / z) + 15.0, y * (10.0 / z) + 10.0];
-            let inside = z > 0.0 && (0.0..30.0).contains(&place[0]) && (0.0..20.0).contains(&place[1]);
-            let pixel = if inside { place[1] as u32 * 30 + place[0] as u32 } else { 600 };
+            let position = [x * (10.0 / z) + 15.0, y * (10.0 / z) + 10.0];
+            let inside = z > 0.0 && (0.0..30.0).contains(&position[0]) && (0.0..20.0).contains(&position[1]);
+            let pixel = if inside { position[1] as u32 * 30 + position[0] as u32 } else { 600 };
             assert_eq!(pixels[k], pixel, "{x} {y} {z}");
         }
         assert_eq!(within, count_in_front(&read, &AS_GIVEN, 3.0));

@@ -1,7 +1,7 @@
 //! The looks at a cloud: from where, at which part of it, and how finely.
 
 use super::super::grid::side_of_cells;
-use super::Asked;
+use super::CancelCheck;
 use super::cubes::Order;
 use super::image::{FEWEST, Image};
 use super::points::Points;
@@ -12,7 +12,7 @@ use super::viewpoints::{
 use crate::error::Result;
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::observations::{ENOUGH, PointsView, spread};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, PointsView, spread};
 use nalgebra::Vector3;
 use std::ops::Range;
 
@@ -35,7 +35,7 @@ const LEFT: f64 = 0.22;
 /// How much is hidden from anywhere, by noise.
 const HIDDEN: f64 = 0.01;
 
-/// From another place than the origin so much of what is hidden there is hidden, at most, where that is no sensor.
+/// From another position than the origin so much of what is hidden there is hidden, at most, where that is no sensor.
 const LESS: f64 = 0.6;
 
 /// The sides that a tile is looked at from.
@@ -134,15 +134,15 @@ impl Looks {
     }
 
     /// Where one of all points lies.
-    pub fn place(&self, k: u32) -> Vector3<f64> {
-        self.points.as_ref().map_or_else(Vector3::zeros, |points| points.place(k as usize))
+    pub fn point(&self, k: u32) -> Vector3<f64> {
+        self.points.as_ref().map_or_else(Vector3::zeros, |points| points.point(k as usize))
     }
 
     /// Those of all points that may lie within a reach of a surface, and where; none of a cloud that was looked at from its origin alone.
     pub fn near(&self, cylinder: &Cylinder, reach: f64) -> impl Iterator<Item = (u32, Vector3<f64>)> {
         self.order.iter().zip(&self.points).flat_map(move |(order, points)| {
             let usable = order.near(cylinder, reach).filter(|&k| points.is_usable(k));
-            usable.map(|k| (k as u32, points.place(k)))
+            usable.map(|k| (k as u32, points.point(k)))
         })
     }
 
@@ -151,8 +151,9 @@ impl Looks {
         let is_near = |point: &Vector3<f64>| cylinder.distance(point).abs() <= reach;
         match (&self.order, &self.points) {
             (None, Some(points)) => {
-                let some = spread(points.len(), ENOUGH).into_iter().filter(|&k| points.is_usable(k));
-                some.map(|k| points.place(k)).filter(is_near).collect()
+                let some =
+                    spread(points.len(), ENOUGH_POINTS_TO_FIT).into_iter().filter(|&k| points.is_usable(k));
+                some.map(|k| points.point(k)).filter(is_near).collect()
             }
             _ => self.near(cylinder, reach).map(|(_, point)| point).filter(is_near).collect(),
         }
@@ -192,13 +193,13 @@ impl Looks {
     }
 
     /// Reads what there is to be looked at, and chooses from where. Whether there is a look to take.
-    pub(super) fn prepare(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<bool> {
+    pub(super) fn prepare(&mut self, view: &PointsView<'_>, check_cancel: &CancelCheck<'_>) -> Result<bool> {
         if self.points.is_none() {
-            let mut points = Points::read(view, Vector3::zeros(), asked)?;
+            let mut points = Points::read(view, Vector3::zeros(), check_cancel)?;
             self.far = are_far(&points);
             if self.far {
                 let among_them = points.all_usable().next().unwrap_or_default();
-                points = Points::read(view, among_them, asked)?;
+                points = Points::read(view, among_them, check_cancel)?;
             }
             self.points = Some(points);
         }
@@ -217,13 +218,13 @@ impl Looks {
             self.side = LEAST_SIDE;
             if self.level == 0 {
                 if !self.unseen {
-                    let sensor = self.sensor(asked)?;
+                    let sensor = self.sensor(check_cancel)?;
                     self.viewpoints.extend(sensor);
                 }
                 if self.viewpoints.is_empty() {
-                    // More than one place may have seen what is far from the origin.
+                    // More than one position may have seen what is far from the origin.
                     self.closed |= self.far;
-                    self.put_in_order(view, asked)?;
+                    self.put_in_order(view, check_cancel)?;
                     self.viewpoints = self.sample().filter(|_| !self.far).map(of_origin).unwrap_or_default();
                 }
             }
@@ -235,10 +236,10 @@ impl Looks {
     }
 
     /// Where a sensor was that has seen the cloud: in the origin, unless that is far, or where the densities of the points tell.
-    fn sensor(&mut self, asked: &Asked<'_>) -> Result<Option<Viewpoint>> {
+    fn sensor(&mut self, check_cancel: &CancelCheck<'_>) -> Result<Option<Viewpoint>> {
         let Some(points) = &self.points else { return Ok(None) };
         let image = |viewpoint: &Viewpoint, memory: Vec<u64>| {
-            Image::of(points, points, (&viewpoint.pose(points), viewpoint.widest), memory, asked)
+            Image::of(points, points, (&viewpoint.pose(points), viewpoint.widest), memory, check_cancel)
         };
         let (_, middle, _) = middle_of_some(points);
         let middle = points.origin + middle;
@@ -260,12 +261,12 @@ impl Looks {
             sees_all = image.seen >= SEEN || image.closed;
             (hidden_from_origin, memory) = (1.0 - image.seen, image.nearest);
         }
-        // Of several places the one that leaves the least of the densities and hides the least of the points.
+        // Of several positions the one that leaves the least of the densities and hides the least of the points.
         let mut best: Option<(f64, Viewpoint)> = None;
         let densities = Densities::of(points, MANY_POINTS);
-        let places = densities.iter().flat_map(Densities::places).filter(|(_, left)| *left <= LEFT);
-        for (place, left) in places {
-            let Some(viewpoint) = of_sensor_at(&place, points, &middle) else { continue };
+        let positions = densities.iter().flat_map(Densities::positions).filter(|(_, left)| *left <= LEFT);
+        for (position, left) in positions {
+            let Some(viewpoint) = of_sensor_at(&position, points, &middle) else { continue };
             let Some(image) = image(&viewpoint, memory)? else { break };
             let hidden = 1.0 - image.seen;
             let is_one = image.seen >= SEEN && hidden < LESS * hidden_from_origin;
@@ -300,9 +301,13 @@ impl Looks {
     }
 
     /// Puts the points of the cloud into an order in which those near each other follow each other.
-    pub(super) fn put_in_order(&mut self, view: &PointsView<'_>, asked: &Asked<'_>) -> Result<()> {
+    pub(super) fn put_in_order(
+        &mut self,
+        view: &PointsView<'_>,
+        check_cancel: &CancelCheck<'_>,
+    ) -> Result<()> {
         if let Some(points) = self.points.take_if(|_| self.order.is_none()) {
-            let (order, points) = Order::of(view, points, asked)?;
+            let (order, points) = Order::of(view, points, check_cancel)?;
             (self.order, self.points, self.stale) = (order, Some(points), true);
             self.read_part();
         }
@@ -350,7 +355,7 @@ impl Looks {
         let origin = self.viewpoints.get(self.current).map(|viewpoint| viewpoint.origin);
         self.current += 1;
         if let Some(next) = self.viewpoints.get(self.current) {
-            // To other sides of the same place other surfaces are seen.
+            // To other sides of the same position other surfaces are seen.
             self.before += usize::from(Some(next.origin) != origin);
             return true;
         }

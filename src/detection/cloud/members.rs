@@ -2,7 +2,7 @@
 
 use super::image::Image;
 use super::points::Points;
-use super::{Asked, BETWEEN_QUESTIONS};
+use super::{BETWEEN_QUESTIONS, CancelCheck};
 use crate::detection::{Detection, Detections};
 use crate::error::Result;
 use crate::geometry::Cylinder;
@@ -94,21 +94,21 @@ fn surfaces_all_around(points: &Points, image: &Image, seen: &Detections, balls:
         let step = (near.len() * BLOCK).div_ceil(SAMPLE).max(1);
         let of_block = |block: usize| block * BLOCK..points.len().min((block + 1) * BLOCK);
         let sample = near.into_iter().flat_map(of_block).step_by(step);
-        let places = sample.map(|k| image.raster.pose.turn(&points.at(k)));
-        Surface::new(detection, places.filter(|point| about.distance(point).is_some()))
+        let positions = sample.map(|k| image.raster.pose.turn(&points.at(k)));
+        Surface::new(detection, positions.filter(|point| about.distance(point).is_some()))
     };
     seen.cylinders.iter().map(surface).collect()
 }
 
 /// The surfaces of the cylinders that an image shows, by the points that are seen.
 fn surfaces(points: &Points, image: &Image, seen: &Detections) -> Vec<Surface> {
-    let place = |k: usize| image.raster.pose.turn(&points.at(k));
+    let position = |k: usize| image.raster.pose.turn(&points.at(k));
     let mut of_cylinders: Vec<Vec<usize>> = seen.cylinders.iter().map(|_| Vec::new()).collect();
     for (pixel, &label) in seen.labels.iter().enumerate().filter(|(_, label)| **label != 0) {
         of_cylinders[usize::from(label) - 1].extend(image.point_at(pixel));
     }
     let cylinders = seen.cylinders.iter().zip(of_cylinders);
-    cylinders.map(|(detection, own)| Surface::new(detection, own.into_iter().map(place))).collect()
+    cylinders.map(|(detection, own)| Surface::new(detection, own.into_iter().map(position))).collect()
 }
 
 /// The number of the cylinder of each point.
@@ -116,14 +116,14 @@ pub(super) fn labels(
     points: &Points,
     image: &Image,
     seen: &Detections,
-    asked: &Asked<'_>,
+    check_cancel: &CancelCheck<'_>,
 ) -> Result<Vec<u16>> {
     let mut labels = vec![0; points.len()];
     if image.closed {
-        label_all_around(points, image, seen, &mut labels, asked)?;
+        label_all_around(points, image, seen, &mut labels, check_cancel)?;
     } else {
         let surfaces = surfaces(points, image, seen);
-        label_where_seen(points, image, (seen, &surfaces), &mut labels, asked)?;
+        label_where_seen(points, image, (seen, &surfaces), &mut labels, check_cancel)?;
     }
     Ok(labels)
 }
@@ -134,7 +134,7 @@ fn label_all_around(
     image: &Image,
     seen: &Detections,
     labels: &mut [u16],
-    asked: &Asked<'_>,
+    check_cancel: &CancelCheck<'_>,
 ) -> Result<()> {
     let pose = &image.raster.pose;
     let balls = Ball::all(points, image);
@@ -142,7 +142,7 @@ fn label_all_around(
     for (block, (labels, ball)) in labels.chunks_mut(BLOCK).zip(&balls).enumerate() {
         let first = block * BLOCK;
         if first.is_multiple_of(BETWEEN_QUESTIONS) {
-            asked()?;
+            check_cancel()?;
         }
         let near: Vec<(u16, &Surface)> = (1..).zip(&surfaces).filter(|(_, own)| ball.meets(own)).collect();
         if near.is_empty() {
@@ -177,10 +177,10 @@ fn label_where_seen(
     image: &Image,
     (seen, surfaces): (&Detections, &[Surface]),
     labels: &mut [u16],
-    asked: &Asked<'_>,
+    check_cancel: &CancelCheck<'_>,
 ) -> Result<()> {
     let raster = &image.raster;
-    raster.project(points, asked, |first, pixels, depths| {
+    raster.project(points, check_cancel, |first, pixels, depths| {
         for (k, (&pixel, &depth)) in (first..).zip(pixels.iter().zip(depths)) {
             let Some(&label) = seen.labels.get(pixel as usize).filter(|label| **label != 0) else { continue };
             let nearest = f64::from(image.depth_at(pixel as usize));

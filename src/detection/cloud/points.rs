@@ -1,6 +1,6 @@
 //! Points as the looks at a cloud read them.
 
-use super::{Asked, BETWEEN_QUESTIONS};
+use super::{BETWEEN_QUESTIONS, CancelCheck};
 use crate::error::{Error, Result};
 use crate::observations::{PointsView, spread};
 use nalgebra::{Matrix3, Vector3};
@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Points that tell the extent and the main directions of more of them.
 const SAMPLE: usize = 8192;
 
-/// Points in single precision relative to a place among them, axis by axis: so they are told far finer than any noise that a search
+/// Points in single precision relative to a position among them, axis by axis: so they are told far finer than any noise that a search
 /// assumes, and take half the memory. The coordinates of points of no use are no numbers.
 #[derive(Debug, Default)]
 pub(super) struct Points {
@@ -29,14 +29,14 @@ impl Points {
         Ok(points)
     }
 
-    /// All of a cloud as they come, relative to a place.
-    pub fn read(view: &PointsView<'_>, origin: Vector3<f64>, asked: &Asked<'_>) -> Result<Self> {
+    /// All of a cloud as they come, relative to a position.
+    pub fn read(view: &PointsView<'_>, origin: Vector3<f64>, check_cancel: &CancelCheck<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
         let mut points = Self::with_room(origin, width * height)?;
         for row in 0..height {
             for column in 0..width {
                 if points.len().is_multiple_of(BETWEEN_QUESTIONS) {
-                    asked()?;
+                    check_cancel()?;
                 }
                 points.push_given(view, column, row);
             }
@@ -55,7 +55,7 @@ impl Points {
     }
 
     /// Where a point lies.
-    pub fn place(&self, k: usize) -> Vector3<f64> {
+    pub fn point(&self, k: usize) -> Vector3<f64> {
         self.origin + self.at(k)
     }
 
@@ -78,7 +78,7 @@ impl Points {
         self.axes.iter_mut().zip(&point).for_each(|(axis, x)| axis.push(*x));
     }
 
-    /// Forgets all points, for others relative to some place.
+    /// Forgets all points, for others relative to some position.
     pub fn start_from(&mut self, origin: Vector3<f64>) {
         (self.origin, self.usable) = (origin, 0);
         self.axes.iter_mut().for_each(Vec::clear);

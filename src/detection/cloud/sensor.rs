@@ -4,17 +4,17 @@
 //!
 //! > λ(p) = k |n · (c − p)| / |c − p|³
 //!
-//! with its place c and a constant k: fewer where the surface is far away or slanted. So the densities of small pieces of the surface
+//! with its position c and a constant k: fewer where the surface is far away or slanted. So the densities of small pieces of the surface
 //! tell c, in whatever coordinates and order the points are, and whichever part of them was kept. Along one plane alone its mirror image
-//! is as likely, and other places may come near: what hides what tells them apart.
+//! is as likely, and other positions may come near: what hides what tells them apart.
 
 use super::points::Points;
 use super::viewpoints::middle_of_some;
 use crate::memory::List;
-use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_size};
+use crate::statistics::{DEVIATION_OF_MEDIAN, median, median_absolute};
 use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 
-/// Points that tell it, evenly spread over the order of the cloud: those that confirm a place, and those that tell one.
+/// Points that tell it, evenly spread over the order of the cloud: those that confirm a position, and those that tell one.
 pub(super) const FEW_POINTS: usize = 1 << 16;
 pub(super) const MANY_POINTS: usize = 1 << 18;
 
@@ -35,7 +35,7 @@ const AREA: f64 = 12.0;
 const FEW_PIECES: usize = 400;
 const FEWEST_PIECES: usize = 100;
 
-/// How far from the middle places are sought first, in sizes of the cloud.
+/// How far from the middle positions are sought first, in sizes of the cloud.
 const START: f64 = 2.0;
 
 /// Steps of the first look, and of all pieces.
@@ -44,11 +44,11 @@ const STEPS: [usize; 2] = [10, 20];
 /// Pieces count less from so many standard deviations on.
 const DEVIATIONS: f64 = 2.0;
 
-/// Places that are returned, and how far apart, as a part of the distance.
-const PLACES: usize = 6;
+/// Positions that are returned, and how far apart, as a part of the distance.
+const MOST_POSITIONS: usize = 6;
 const APART: f64 = 0.1;
 
-/// Directions are about the same within this angle, in radians: a search from a place that is off by 8 degrees finds as much as one from
+/// Directions are about the same within this angle, in radians: a search from a position that is off by 8 degrees finds as much as one from
 /// that of the sensor.
 const ALIKE: f64 = 0.15;
 
@@ -61,10 +61,10 @@ struct Piece {
     density: f64,
 }
 
-/// A place, the logarithm of k there, and the scale of what is left of the logarithms of the densities.
+/// A position, the logarithm of k there, and the scale of what is left of the logarithms of the densities.
 #[derive(Debug, Clone, Copy)]
 struct Fit {
-    place: Vector3<f64>,
+    position: Vector3<f64>,
     factor: f64,
     scale: f64,
 }
@@ -91,34 +91,34 @@ impl Densities {
         self.pieces.iter().copied().step_by(self.pieces.len().div_ceil(FEW_PIECES)).collect()
     }
 
-    /// Whether they have a sensor in about the same direction as some place.
-    pub fn confirm(&self, place: &Vector3<f64>) -> bool {
-        let towards = place - (self.origin + self.middle);
+    /// Whether they have a sensor in about the same direction as some position.
+    pub fn confirm(&self, position: &Vector3<f64>) -> bool {
+        let towards = position - (self.origin + self.middle);
         let found = self.from(&self.few(), &towards);
-        (found.place - self.middle).angle(&towards) < ALIKE
+        (found.position - self.middle).angle(&towards) < ALIKE
     }
 
-    /// The place that pieces tell, from one in a direction.
+    /// The position that pieces tell, from one in a direction.
     fn from(&self, pieces: &[Piece], towards: &Vector3<f64>) -> Fit {
         let start = self.middle + towards * (START * self.size / towards.norm());
         Fit::new(pieces, &start, self.size, STEPS[0])
     }
 
-    /// The first ones of some places that are apart.
+    /// The first ones of some positions that are apart.
     fn distinct(&self, fits: &[Fit]) -> List<Fit> {
         let mut distinct: List<Fit> = List::new();
         for found in fits.iter().filter(|found| found.scale.is_finite()) {
-            let distance = APART * (found.place - self.middle).norm();
-            let near = |other: &Fit| (found.place - other.place).norm() <= distance;
-            if distinct.len() < PLACES && !distinct.iter().any(near) {
+            let distance = APART * (found.position - self.middle).norm();
+            let near = |other: &Fit| (found.position - other.position).norm() <= distance;
+            if distinct.len() < MOST_POSITIONS && !distinct.iter().any(near) {
                 distinct.push(*found);
             }
         }
         distinct
     }
 
-    /// Where a sensor may have been, the most likely place first, and the scale of what is left of the logarithms of the densities.
-    pub fn places(&self) -> List<(Vector3<f64>, f64)> {
+    /// Where a sensor may have been, the most likely position first, and the scale of what is left of the logarithms of the densities.
+    pub fn positions(&self) -> List<(Vector3<f64>, f64)> {
         let Self { origin, size, pieces, .. } = self;
         let few = self.few();
         let from = directions().map(|direction| self.from(&few, &direction));
@@ -127,10 +127,10 @@ impl Densities {
         order(&mut fits);
         let of_few = self.distinct(&fits);
         let mut fits: List<Fit> =
-            of_few.iter().map(|found| Fit::new(pieces, &found.place, *size, STEPS[1])).collect();
+            of_few.iter().map(|found| Fit::new(pieces, &found.position, *size, STEPS[1])).collect();
         order(&mut fits);
         let distinct = self.distinct(&fits);
-        distinct.iter().map(|found| (origin + found.place, found.scale)).collect()
+        distinct.iter().map(|found| (origin + found.position, found.scale)).collect()
     }
 }
 
@@ -148,9 +148,9 @@ fn pieces(points: &Points, count: usize, middle: &Vector3<f64>, size: f64) -> Li
     /// Cubes to each side of the middle.
     const HALF: f64 = (1_u32 << 20) as f64;
     let cube = |p: &Vector3<f64>| {
-        let place = (p / edge).map(|x| x.floor() + HALF);
-        let inside = place.iter().all(|x| (0.0..2.0 * HALF).contains(x));
-        inside.then(|| place.iter().fold(0, |number, x| number << 21 | *x as u64))
+        let cell = (p / edge).map(|x| x.floor() + HALF);
+        let inside = cell.iter().all(|x| (0.0..2.0 * HALF).contains(x));
+        inside.then(|| cell.iter().fold(0, |number, x| number << 21 | *x as u64))
     };
     let mut in_cubes: Vec<(u64, u32)> =
         (0..).zip(some.iter()).filter_map(|(k, p)| Some((cube(p)?, k))).collect();
@@ -177,7 +177,7 @@ impl Piece {
         (is_flat && density.is_finite()).then_some(Self { middle, normal, density })
     }
 
-    /// ln (λ / k) where a sensor is, and its derivative by the place of that.
+    /// ln (λ / k) where a sensor is, and its derivative by the position of that.
     fn expected(&self, sensor: &Vector3<f64>) -> (f64, Vector3<f64>) {
         let ray = sensor - self.middle;
         let (height, squared) = (self.normal.dot(&ray), ray.norm_squared());
@@ -186,32 +186,32 @@ impl Piece {
 }
 
 impl Fit {
-    /// By so many steps from a place, none longer than half of the size of the cloud.
+    /// By so many steps from a position, none longer than half of the size of the cloud.
     fn new(pieces: &[Piece], start: &Vector3<f64>, size: f64, steps: usize) -> Self {
-        let mut fit = Self { place: *start, factor: 0.0, scale: f64::NAN };
+        let mut fit = Self { position: *start, factor: 0.0, scale: f64::NAN };
         fit.settle(pieces);
         for _ in 0..steps {
             let Some(step) = fit.step(pieces) else { break };
             let length = step.norm();
-            fit.place += step * (0.5 * size / length.max(0.5 * size));
+            fit.position += step * (0.5 * size / length.max(0.5 * size));
             fit.settle(pieces);
         }
         fit
     }
 
-    /// The factor and the scale of a place.
+    /// The factor and the scale of a position.
     fn settle(&mut self, pieces: &[Piece]) {
         let mut left: List<f64> =
-            pieces.iter().map(|piece| piece.density - piece.expected(&self.place).0).collect();
+            pieces.iter().map(|piece| piece.density - piece.expected(&self.position).0).collect();
         self.factor = median(&mut left);
-        self.scale = DEVIATION_OF_MEDIAN * median_size(left.iter().map(|left| left - self.factor));
+        self.scale = DEVIATION_OF_MEDIAN * median_absolute(left.iter().map(|left| left - self.factor));
     }
 
     /// The step of least squares in which outliers count less.
     fn step(&self, pieces: &[Piece]) -> Option<Vector3<f64>> {
         let (mut hessian, mut gradient) = (Matrix4::zeros(), Vector4::zeros());
         for piece in pieces {
-            let (expected, derivative) = piece.expected(&self.place);
+            let (expected, derivative) = piece.expected(&self.position);
             let left = piece.density - expected - self.factor;
             let weight = 1.0 / (1.0 + (left / (DEVIATIONS * self.scale)).powi(2));
             let row = derivative.push(1.0);
@@ -228,9 +228,9 @@ mod tests {
     use super::*;
     use crate::observations::PointsView;
 
-    /// What a camera with 200 × 200 pixels sees of a table and two walls from a place 0.8 m above the table, moved.
+    /// What a camera with 200 × 200 pixels sees of a table and two walls from a position 0.8 m above the table, moved.
     fn seen(shift: &Vector3<f64>) -> Points {
-        let place = Vector3::new(0.0, 0.0, 0.8);
+        let position = Vector3::new(0.0, 0.0, 0.8);
         let toward = Vector3::new(1.0, 1.0, -0.6).normalize();
         let right = toward.cross(&Vector3::z()).normalize();
         let down = toward.cross(&right);
@@ -238,8 +238,8 @@ mod tests {
             let slope = |k: u32| f64::from(k) / 200.0 - 0.4975;
             let ray = toward + right * slope(k % 200) + down * slope(k / 200);
             // The planes z = 0, x = 1.2 and y = 1.
-            let far = [-place.z / ray.z, 1.2 / ray.x, 1.0 / ray.y].into_iter().filter(|far| *far > 0.0);
-            let point = place + ray * far.fold(f64::INFINITY, f64::min) + shift;
+            let far = [-position.z / ray.z, 1.2 / ray.x, 1.0 / ray.y].into_iter().filter(|far| *far > 0.0);
+            let point = position + ray * far.fold(f64::INFINITY, f64::min) + shift;
             [point.x, point.y, point.z]
         };
         let points: Vec<[f64; 3]> = (0..40_000).map(point).collect();
@@ -250,21 +250,24 @@ mod tests {
     fn densities_tell_where_the_sensor_was_wherever_the_origin_is() {
         for shift in [Vector3::zeros(), Vector3::new(5.0, -3.0, 2.0), Vector3::new(4e5, 5e6, 100.0)] {
             let densities = Densities::of(&seen(&shift), MANY_POINTS).unwrap();
-            let place = Vector3::new(0.0, 0.0, 0.8) + shift;
-            assert!((densities.places()[0].0 - place).norm() < 0.2, "{:?}", densities.places());
-            assert!(densities.confirm(&place));
-            assert!(!densities.confirm(&(place + Vector3::new(0.5, 0.0, 0.0))));
+            let position = Vector3::new(0.0, 0.0, 0.8) + shift;
+            assert!((densities.positions()[0].0 - position).norm() < 0.2, "{:?}", densities.positions());
+            assert!(densities.confirm(&position));
+            assert!(!densities.confirm(&(position + Vector3::new(0.5, 0.0, 0.0))));
         }
     }
 
     #[test]
-    fn what_is_evenly_dense_confirms_no_place_nearby() {
+    fn what_is_evenly_dense_confirms_no_position_nearby() {
         let plane: Vec<[f64; 3]> =
             (0..40_000).map(|k| [f64::from(k % 200) * 0.005, f64::from(k / 200) * 0.005, 1.0]).collect();
         let points = Points::read(&PointsView::from_f64(&plane), Vector3::zeros(), &|| Ok(())).unwrap();
         let densities = Densities::of(&points, MANY_POINTS).unwrap();
         assert!(
-            densities.places().iter().all(|(place, _)| (place - Vector3::new(0.5, 0.5, 1.0)).norm() > 3.0)
+            densities
+                .positions()
+                .iter()
+                .all(|(position, _)| (position - Vector3::new(0.5, 0.5, 1.0)).norm() > 3.0)
         );
     }
 
@@ -272,11 +275,12 @@ mod tests {
     fn the_derivative_of_a_density_agrees_with_central_differences() {
         let middle = Vector3::new(0.3, -0.2, 1.0);
         let piece = Piece { middle, normal: Vector3::new(0.2, 0.5, -0.8).normalize(), density: 0.0 };
-        let place = Vector3::new(-0.1, 0.4, -0.3);
-        let derivative = piece.expected(&place).1;
+        let position = Vector3::new(-0.1, 0.4, -0.3);
+        let derivative = piece.expected(&position).1;
         for axis in 0..3 {
             let step = Vector3::ith(axis, 1e-5);
-            let [before, after] = [place - step, place + step].map(|place| piece.expected(&place).0);
+            let [before, after] =
+                [position - step, position + step].map(|position| piece.expected(&position).0);
             assert!(((after - before) / 2e-5 - derivative[axis]).abs() < 1e-8, "{axis}");
         }
     }

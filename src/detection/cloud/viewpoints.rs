@@ -2,13 +2,13 @@
 
 use super::image::count_in_front;
 use super::points::{Points, Pose};
-use crate::statistics::{median_point, median_size};
+use crate::statistics::{median_absolute, median_point};
 use nalgebra::{Matrix3, Vector3};
 
 /// The rays of a cloud lie within this slope about the z axis where its origin is that of a camera.
 const WIDEST: f64 = 3.0;
 
-/// What a place sees all around it is cut into the faces of a cube, five degrees wider to each side.
+/// What a position sees all around it is cut into the faces of a cube, five degrees wider to each side.
 const WIDEST_OF_FACE: f64 = 1.19;
 
 /// Clouds that look smaller than this from their origin, by the tangent of half the angle, were not seen from there. Single precision
@@ -16,7 +16,7 @@ const WIDEST_OF_FACE: f64 = 1.19;
 const NARROWEST: f64 = 1e-3;
 
 /// Points that tell in which directions others are spread.
-const ENOUGH: usize = 1024;
+const ENOUGH_DIRECTIONS: usize = 1024;
 
 /// Nearly all points.
 const NEARLY_ALL: f64 = 0.98;
@@ -24,7 +24,7 @@ const NEARLY_ALL: f64 = 0.98;
 /// What a viewpoint is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// The place of a sensor, nearly all points being in front of a camera there.
+    /// The position of a sensor, nearly all points being in front of a camera there.
     Sensor,
     /// The origin, in whatever direction.
     Origin,
@@ -50,7 +50,7 @@ impl Viewpoint {
         kind: Kind::Sensor,
     };
 
-    /// From a place along a direction.
+    /// From a position along a direction.
     fn new(origin: Vector3<f64>, z: &Vector3<f64>, widest: f64, kind: Kind) -> Self {
         let (x, y) = crate::geometry::any_orthogonal(z);
         Self {
@@ -88,21 +88,22 @@ pub(super) fn of_sensor(points: &Points) -> Option<Viewpoint> {
     Some(Viewpoint::SENSOR).filter(|sensor| sensor.has_before_it(points))
 }
 
-/// From the place of a sensor towards points with some middle, where nearly all lie in front of a camera there.
+/// From the position of a sensor towards points with some middle, where nearly all lie in front of a camera there.
 pub(super) fn of_sensor_at(
-    place: &Vector3<f64>,
+    position: &Vector3<f64>,
     points: &Points,
     middle: &Vector3<f64>,
 ) -> Option<Viewpoint> {
-    let towards = (middle - place).try_normalize(0.0)?;
-    Some(Viewpoint::new(*place, &towards, WIDEST, Kind::Sensor)).filter(|sensor| sensor.has_before_it(points))
+    let towards = (middle - position).try_normalize(0.0)?;
+    Some(Viewpoint::new(*position, &towards, WIDEST, Kind::Sensor))
+        .filter(|sensor| sensor.has_before_it(points))
 }
 
 /// From the origin: towards the points, some of which are given, where they lie about one direction, else to all sides.
 pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
     let origin = Vector3::zeros();
-    let places = points.all_usable().map(|p| p + points.origin);
-    let towards = places.filter_map(|p| p.try_normalize(0.0)).sum::<Vector3<f64>>();
+    let usable = points.all_usable().map(|p| p + points.origin);
+    let towards = usable.filter_map(|p| p.try_normalize(0.0)).sum::<Vector3<f64>>();
     if let Some(towards) = towards.try_normalize(0.0) {
         let viewpoint = Viewpoint::new(origin, &towards, WIDEST, Kind::Origin);
         if viewpoint.has_before_it(points) {
@@ -115,10 +116,10 @@ pub(super) fn of_origin(points: &Points) -> Vec<Viewpoint> {
 
 /// Some points, their middle, and how far from that they lie.
 pub(super) fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64>, f64) {
-    let step = points.usable.div_ceil(ENOUGH).max(1);
+    let step = points.usable.div_ceil(ENOUGH_DIRECTIONS).max(1);
     let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).collect();
     let middle = median_point(&some);
-    let size = median_size(some.iter().map(|point| (point - middle).norm()));
+    let size = median_absolute(some.iter().map(|point| (point - middle).norm()));
     (some, middle, size)
 }
 

@@ -112,13 +112,13 @@ impl Profile {
     /// The first and the last sample that a step at `edge` is judged by.
     #[inline(always)]
     pub fn window(&self, edge: f64) -> (usize, usize) {
-        let last = self.place(edge + WINDOW_PIXELS.get()).min(self.samples.len() - 1);
-        (self.place(edge - WINDOW_PIXELS.get()).min(last), last)
+        let last = self.nearest(edge + WINDOW_PIXELS.get()).min(self.samples.len() - 1);
+        (self.nearest(edge - WINDOW_PIXELS.get()).min(last), last)
     }
 
-    /// The sample nearest to a place.
+    /// The sample nearest to a position.
     #[inline(always)]
-    fn place(&self, edge: f64) -> usize {
+    fn nearest(&self, edge: f64) -> usize {
         // Rounded; the conversion holds what is below 0 at 0.
         (edge / SAMPLE_PIXELS.get() + self.zero + 0.5) as u32 as usize
     }
@@ -152,10 +152,10 @@ impl Profile {
     }
 }
 
-/// Spacing of the places at which the step of a single profile is looked for, in pixels.
+/// Spacing of the positions at which the step of a single profile is looked for, in pixels.
 const SIDE: f64 = 0.25;
 
-/// Which of these places explains a profile best, and the ratios before it, there and after it.
+/// Which of these positions explains a profile best, and the ratios before it, there and after it.
 struct Found {
     k: i64,
     ratios: [f64; 3],
@@ -176,7 +176,7 @@ impl WithSimd for Step<'_> {
     fn with_simd<S: Simd>(self, _simd: S) -> Found {
         let Self { profile, expected, template, noise } = self;
         let reach = (SAMPLE_REACH_PIXELS.get() / SIDE) as i64;
-        // Every other place first: a step is wider than that.
+        // Every other position first: a step is wider than that.
         let (mut rough, mut value, mut beside) = (-reach, f64::NEG_INFINITY, [0.0; 2]);
         let mut last = 0.0;
         let mut first = -reach;
@@ -213,14 +213,14 @@ impl WithSimd for Step<'_> {
 }
 
 /// A step blurred by a Gauss curve, the normal distribution function, at the samples of a window: the same numbers
-/// for all edges that lie at one place between two samples.
+/// for all edges that lie at one position between two samples.
 #[derive(Debug, Clone)]
 pub(super) struct Steps {
     /// Standard deviation of the blur, in pixels.
     pub blur: f64,
     /// What lies farther beyond an edge than this does not shine into its window, in pixels.
     pub reach: f64,
-    /// A row for each place, of `length` samples, of which `before` lie before the edge.
+    /// A row for each position, of `length` samples, of which `before` lie before the edge.
     rows: List<f64>,
     /// Of each row the sums of the samples and of their squares before each sample, and of all.
     sums: List<[f64; 2]>,
@@ -228,8 +228,8 @@ pub(super) struct Steps {
     before: usize,
 }
 
-/// How many places between two samples are told apart.
-const PLACES: usize = 64;
+/// How many positions between two samples are told apart.
+const PHASES: usize = 64;
 
 /// The steps of the blurs that are tried.
 static TRIED: LazyLock<[Steps; BLURS.len()]> = LazyLock::new(|| apart(|| BLURS.map(Steps::new)));
@@ -248,10 +248,10 @@ impl Steps {
         let samples = |pixels: f64| (pixels / SAMPLE_PIXELS.get()).ceil() as usize + 2;
         let before = samples(reach + WINDOW_PIXELS.get());
         let length = before + samples(WINDOW_PIXELS.get());
-        let mut rows = List::with_capacity((PLACES + 1) * length);
-        let mut sums = List::with_capacity((PLACES + 1) * (length + 1));
-        for place in 0..=PLACES {
-            let part = place as f64 / PLACES as f64 - before as f64;
+        let mut rows = List::with_capacity((PHASES + 1) * length);
+        let mut sums = List::with_capacity((PHASES + 1) * (length + 1));
+        for phase in 0..=PHASES {
+            let part = phase as f64 / PHASES as f64 - before as f64;
             let mut sum = [0.0; 2];
             sums.push(sum);
             for k in 0..length {
@@ -268,11 +268,11 @@ impl Steps {
     /// their squares.
     #[inline(always)]
     pub fn at(&self, first: f64, count: usize) -> (&[f64], [f64; 2]) {
-        let place = first + self.before as f64;
+        let position = first + self.before as f64;
         // The conversion holds what is below 0 at 0.
-        let whole = (place as u32 as usize).min(self.length - count);
-        let row = ((place - whole as f64) * PLACES as f64 + 0.5) as usize;
-        let row = row.min(PLACES);
+        let whole = (position as u32 as usize).min(self.length - count);
+        let row = ((position - whole as f64) * PHASES as f64 + 0.5) as usize;
+        let row = row.min(PHASES);
         let start = row * self.length + whole;
         // There is one more of the sums in a row.
         let (before, through) = (self.sums[start + row], self.sums[start + row + count]);
@@ -288,14 +288,14 @@ const TABLE: usize = 512;
 const TABLE_REACH: f64 = 5.0;
 
 static NORMAL: LazyLock<Normal> = LazyLock::new(|| {
-    let place = |k: usize| (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
-    Normal(std::array::from_fn(|k| 0.5 * libm::erfc(-place(k) * FRAC_1_SQRT_2)))
+    let position = |k: usize| (2.0 * k as f64 / TABLE as f64 - 1.0) * TABLE_REACH;
+    Normal(std::array::from_fn(|k| 0.5 * libm::erfc(-position(k) * FRAC_1_SQRT_2)))
 });
 
 impl Normal {
     fn at(&self, x: f64) -> f64 {
-        let place = ((x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH))).clamp(0.0, TABLE as f64);
-        let (k, part) = (place as usize, place.fract());
+        let position = ((x + TABLE_REACH) * (TABLE as f64 / (2.0 * TABLE_REACH))).clamp(0.0, TABLE as f64);
+        let (k, part) = (position as usize, position.fract());
         self.0[k] + part * (self.0[k + 1] - self.0[k])
     }
 }

@@ -6,10 +6,10 @@ use crate::memory::List;
 use crate::observations::{ReducedImage, Squares};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Room for the places of the samples of one generator, and for their pixels, which the next one has again.
+/// Room for the positions of the samples of one generator, and for their pixels, which the next one has again.
 #[derive(Default)]
 pub(super) struct Room {
-    places: List<f64>,
+    positions: List<f64>,
     x: List<f64>,
     y: List<f64>,
     pixels: Squares,
@@ -36,7 +36,7 @@ impl Sampled<'_> {
     }
 }
 
-/// What [`Sampled::take`] does. Places and pixels are plain loops, which the compiler makes the widest instructions of the machine
+/// What [`Sampled::take`] does. Positions and pixels are plain loops, which the compiler makes the widest instructions of the machine
 /// of; they all round alike.
 struct Take<'a> {
     sampled: &'a Sampled<'a>,
@@ -48,17 +48,17 @@ impl WithSimd for Take<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Self::Output {
-        let Self { sampled, room: Room { places, x, y, pixels } } = self;
+        let Self { sampled, room: Room { positions, x, y, pixels } } = self;
         let &Sampled { image, generator, position, outward, across, reach } = sampled;
         let count = 2 * reach as usize + 1;
-        for list in [&mut *places, x, y] {
+        for list in [&mut *positions, x, y] {
             list.resize(count, 0.0);
         }
         let step = SAMPLE_PIXELS.get();
-        for (place, k) in places.iter_mut().zip(-reach..=reach) {
-            *place = position + outward * (step * f64::from(k)) / across;
+        for (sample, k) in positions.iter_mut().zip(-reach..=reach) {
+            *sample = position + outward * (step * f64::from(k)) / across;
         }
-        generator.pixels(places, x, y);
+        generator.pixels(positions, x, y);
         let (right, bottom) = (image.width() as f64 - 1.0, image.height() as f64 - 1.0);
         // Without branches; false for a pixel that is no number.
         let mut inside = true;

@@ -1,7 +1,7 @@
-//! Arcs before a background that is cut off at white, arcs at which the edge of a wall begins, and how far places err together.
+//! Arcs before a background that is cut off at white, arcs at which the edge of a wall begins, and how far samples err together.
 
 use super::super::{End, EndSearch, MaskContent, locate_ends};
-use super::{PlacedStep, standard_error};
+use super::{LocatedStep, standard_error};
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::geometry::Cylinder;
 use crate::memory::List;
@@ -79,15 +79,15 @@ fn weight(x: f64) -> f64 {
     (-0.5 * (x / BLUR).powi(2)).exp()
 }
 
-/// Where the places of an end are in the image beside the true arc, in pixels outward.
+/// Where the samples of an end are in the image beside the true arc, in pixels outward.
 fn off(end: &End) -> Vec<f64> {
     let (camera, cylinder) = (camera(), cylinder());
     let axis = cylinder.axis;
-    let place = |sample: &super::ArcSample| {
+    let offset = |sample: &super::ArcSample| {
         let hit = cylinder.first_hit(&camera.unproject(&sample.pixel).unwrap()).unwrap();
         ((hit - axis.point).dot(&axis.direction).abs() - HALF_LENGTH) * sample.across
     };
-    end.samples.iter().map(place).collect()
+    end.samples.iter().map(offset).collect()
 }
 
 #[test]
@@ -137,9 +137,9 @@ fn the_edge_of_a_wall_at_an_open_end_does_not_shift_it() {
 }
 
 #[test]
-fn places_of_an_arc_that_err_together_tell_less_of_its_error() {
-    let steps = |edges: &[f64]| -> List<PlacedStep> {
-        edges.iter().map(|&edge| PlacedStep { angle: 0.0, across: 2.0, edge, deviation: 0.1 }).collect()
+fn samples_of_an_arc_that_err_together_tell_less_of_its_error() {
+    let steps = |edges: &[f64]| -> List<LocatedStep> {
+        edges.iter().map(|&edge| LocatedStep { angle: 0.0, across: 2.0, edge, deviation: 0.1 }).collect()
     };
     let error = |edges: &[f64]| standard_error(&steps(edges), 0.0);
     // Half a pixel apart where a length of one is two pixels; alternating errors are independent ones.

@@ -63,8 +63,9 @@ fn points_along_a_line_make_no_large_grid() {
     let count = 10_000;
     for (slope, scatter) in [(1.0, 0.0), (0.0, 1e-6), (0.0, 1e-12), (1e-3, 1e-9)] {
         let along = noise(count, 4).into_iter().zip(noise(count, 5));
-        let places: (Vec<f64>, Vec<f64>) = along.map(|(t, jitter)| (slope * t + scatter * jitter, t)).unzip();
-        let cells = Lattice::of_places([&places.0[..], &places.1[..]].map(List::from))
+        let positions: (Vec<f64>, Vec<f64>) =
+            along.map(|(t, jitter)| (slope * t + scatter * jitter, t)).unzip();
+        let cells = Lattice::of_positions([&positions.0[..], &positions.1[..]].map(List::from))
             .map_or(0, |lattice| lattice.shares.len());
         assert!(cells < 100 * count, "{slope} {scatter}: {cells} cells");
     }
@@ -72,12 +73,12 @@ fn points_along_a_line_make_no_large_grid() {
 
 #[test]
 fn frames_of_a_still_camera_count_by_what_is_new_in_them() {
-    let places = |frames: usize| {
-        let place = |axis: usize| move |cell: [usize; 2]| cell[axis] as f64 / 570.0;
-        [0, 1].map(|axis| (0..frames).flat_map(|_| grid(60, 50).into_iter().map(place(axis))).collect())
+    let positions = |frames: usize| {
+        let position = |axis: usize| move |cell: [usize; 2]| cell[axis] as f64 / 570.0;
+        [0, 1].map(|axis| (0..frames).flat_map(|_| grid(60, 50).into_iter().map(position(axis))).collect())
     };
     let of = |frames: usize, residuals: &[f64]| {
-        Lattice::of_places(places(frames)).unwrap().independent_points(residuals, 100.0)
+        Lattice::of_positions(positions(frames)).unwrap().independent_points(residuals, 100.0)
     };
     let frame = smooth(60, 50, [3, 3]);
     let one = of(1, &frame);
@@ -98,15 +99,16 @@ fn frames_with_pixels_that_drop_out_count_what_is_left() {
         // Of uniform numbers 60 and 50 % are above the limit.
         let kept: Vec<usize> = (0..frames * 3_000).filter(|&k| keys[k] > -part).collect();
         let cells = grid(60, 50);
-        let places = [0, 1].map(|axis| kept.iter().map(|k| cells[k % 3_000][axis] as f64 / 570.0).collect());
+        let positions =
+            [0, 1].map(|axis| kept.iter().map(|k| cells[k % 3_000][axis] as f64 / 570.0).collect());
         let values: Vec<f64> = kept.iter().map(|&k| residuals[k]).collect();
-        let found = Lattice::of_places(places).unwrap().independent_points(&values, 100.0);
+        let found = Lattice::of_positions(positions).unwrap().independent_points(&values, 100.0);
         assert!((found / kept.len() as f64 - 1.0).abs() < 0.1, "{found} of {}", kept.len());
     }
 }
 
 #[test]
-fn narrow_strips_that_lie_aslant_share_no_places() {
+fn narrow_strips_that_lie_aslant_share_no_positions() {
     for (width, slope) in [(4.0, 1.0_f64), (8.0, 1.0), (8.0, 0.6), (12.0, 0.2)] {
         let length = slope.hypot(1.0);
         let inside = |cell: &[usize; 2]| {
@@ -115,8 +117,8 @@ fn narrow_strips_that_lie_aslant_share_no_places() {
         };
         let cells: Vec<[usize; 2]> = grid(280, 280).into_iter().filter(inside).collect();
         let values = noise(cells.len(), 5);
-        let places = [0, 1].map(|axis| cells.iter().map(|cell| cell[axis] as f64 / 570.0).collect());
-        let found = Lattice::of_places(places).unwrap().independent_points(&values, 100.0);
+        let positions = [0, 1].map(|axis| cells.iter().map(|cell| cell[axis] as f64 / 570.0).collect());
+        let found = Lattice::of_positions(positions).unwrap().independent_points(&values, 100.0);
         assert!(found > 0.8 * cells.len() as f64, "{width} {slope}: {found} of {}", cells.len());
     }
 }
@@ -131,17 +133,17 @@ fn the_order_of_the_points_and_the_shape_of_the_region_do_not_matter() {
         let cells: Vec<[usize; 2]> = points.iter().map(|point| point.0).collect();
         let residuals: Vec<f64> = points.iter().map(|point| point.1).collect();
         let by_pixels = lattice(&cells).independent_points(&residuals, 100.0);
-        let places = [0, 1].map(|axis| cells.iter().map(|cell| cell[axis] as f64 / 570.0).collect());
-        (by_pixels, Lattice::of_places(places).unwrap().independent_points(&residuals, 100.0))
+        let positions = [0, 1].map(|axis| cells.iter().map(|cell| cell[axis] as f64 / 570.0).collect());
+        (by_pixels, Lattice::of_positions(positions).unwrap().independent_points(&residuals, 100.0))
     };
-    let (by_pixels, by_places) = count(&points);
+    let (by_pixels, by_positions) = count(&points);
     assert!((by_pixels * 16.0 / points.len() as f64 - 1.0).abs() < 0.15, "{by_pixels}");
-    assert!((by_places / by_pixels - 1.0).abs() < 0.2, "{by_places} {by_pixels}");
+    assert!((by_positions / by_pixels - 1.0).abs() < 0.2, "{by_positions} {by_pixels}");
     let mut shuffled = points.clone();
     let mut keys = noise(points.len(), 3).into_iter();
     shuffled.sort_by_cached_key(|_| keys.next().map(|key| (key * 1e9) as i64));
     let (a, b) = count(&shuffled);
-    assert!((a / by_pixels - 1.0).abs() < 1e-9 && (b / by_places - 1.0).abs() < 1e-9);
+    assert!((a / by_pixels - 1.0).abs() < 1e-9 && (b / by_positions - 1.0).abs() < 1e-9);
 }
 
 #[test]

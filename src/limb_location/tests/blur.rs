@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 /// An image on a grid that is finer by some factor, interpolated bilinearly.
 fn enlarged(image: &GreyImage, factor: usize) -> GreyImage {
     let size = (image.width() * factor, image.height() * factor);
-    let beside = |place: usize, count: usize| {
-        let at = ((place as f64 + 0.5) / factor as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+    let beside = |index: usize, count: usize| {
+        let at = ((index as f64 + 0.5) / factor as f64 - 0.5).clamp(0.0, (count - 1) as f64);
         let first = (at as usize).min(count - 2);
         (first, (at - first as f64) as f32)
     };
@@ -33,9 +33,9 @@ fn what_is_blurred_is_located_as_on_a_coarser_grid() {
     let scene = Scene { background: 220.0, ..Scene::new() };
     let image = enlarged(&scene.render(), FACTOR);
     let Intrinsics { fx, fy, cx, cy, distortion, .. } = *scene.camera.intrinsics();
-    let place = |place: f64| ratio * (place + 0.5) - 0.5;
+    let scaled = |coordinate: f64| ratio * (coordinate + 0.5) - 0.5;
     let (width, height) = (image.width() as u32, image.height() as u32);
-    let (fx, fy, cx, cy) = (fx * ratio, fy * ratio, place(cx), place(cy));
+    let (fx, fy, cx, cy) = (fx * ratio, fy * ratio, scaled(cx), scaled(cy));
     let large = Scene {
         camera: Camera::new(Intrinsics { width, height, fx, fy, cx, cy, distortion }).unwrap(),
         ..Scene::new()

@@ -4,7 +4,7 @@ use super::PointCloud;
 use crate::memory::List;
 
 /// Points that lead to a minimum, and that tell the correlation of noise: that of neighbours is known to 1/√n then.
-pub(crate) const ENOUGH: usize = 20_000;
+pub(crate) const ENOUGH_POINTS_TO_FIT: usize = 20_000;
 
 /// Where there are more than so many times as many, a part of them comes first.
 const MANY: usize = 2;
@@ -14,7 +14,7 @@ const GOLDEN: f64 = 0.618_033_988_749_895;
 
 /// Whether there are so many points that a part of them comes first.
 pub(crate) fn are_many(count: usize) -> bool {
-    count > MANY * ENOUGH
+    count > MANY * ENOUGH_POINTS_TO_FIT
 }
 
 impl PointCloud {
@@ -24,7 +24,7 @@ impl PointCloud {
     }
 }
 
-/// So many places of a list, evenly spread over it, none of them twice; without the period of rows where they are no more than
+/// So many indices of a list, evenly spread over it, none of them twice; without the period of rows where they are no more than
 /// half of it.
 pub(crate) fn spread(length: usize, count: usize) -> List<usize> {
     let count = count.min(length);
@@ -42,20 +42,22 @@ mod tests {
     #[test]
     fn a_spread_takes_all_columns_alike() {
         let (count, columns) = (1_000_000, 1000);
-        let places = spread(count, ENOUGH);
-        assert!(places.is_sorted() && places.len() == ENOUGH && *places.last().unwrap() < count);
+        let indices = spread(count, ENOUGH_POINTS_TO_FIT);
+        assert!(
+            indices.is_sorted() && indices.len() == ENOUGH_POINTS_TO_FIT && *indices.last().unwrap() < count
+        );
         let mut taken = vec![0; columns];
-        places.iter().for_each(|place| taken[place % columns] += 1);
+        indices.iter().for_each(|index| taken[index % columns] += 1);
         assert!(taken.iter().all(|taken| (15..=25).contains(taken)), "{taken:?}");
         assert_eq!(*spread(5, 20), [0, 1, 2, 3, 4]);
     }
 
     #[test]
-    fn a_spread_takes_no_place_twice() {
+    fn a_spread_takes_no_index_twice() {
         for length in (2000..6000).step_by(7) {
-            let places = spread(length, 2000);
-            assert!(places.is_sorted_by(|a, b| a < b) && places.len() == 2000, "{length}");
-            assert!(*places.last().unwrap() < length, "{length}");
+            let indices = spread(length, 2000);
+            assert!(indices.is_sorted_by(|a, b| a < b) && indices.len() == 2000, "{length}");
+            assert!(*indices.last().unwrap() < length, "{length}");
         }
     }
 }

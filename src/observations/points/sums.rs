@@ -1,4 +1,4 @@
-//! Sums over the points of a cloud, and their places along a direction, with the widest instructions of the machine.
+//! Sums over the points of a cloud, and their positions along a direction, with the widest instructions of the machine.
 
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Simd, WithSimd};
@@ -77,7 +77,7 @@ const BLOCK: usize = 1024;
 pub(super) struct Along<'a, T, F> {
     pub axes: [&'a [T]; 3],
     pub direction: [f64; 3],
-    /// Who gets the places, a block at a time.
+    /// Who gets the positions, a block at a time.
     pub block: F,
 }
 
@@ -87,12 +87,12 @@ impl<T: Copy + Into<f64>, F: FnMut(&[f64])> WithSimd for Along<'_, T, F> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { axes: [x, y, z], direction: [a, b, c], block: mut receive } = self;
-        let mut places = [0.0; BLOCK];
+        let mut positions = [0.0; BLOCK];
         for ((x, y), z) in x.chunks(BLOCK).zip(y.chunks(BLOCK)).zip(z.chunks(BLOCK)) {
-            for (((place, x), y), z) in places.iter_mut().zip(x).zip(y).zip(z) {
-                *place = a * (*x).into() + b * (*y).into() + c * (*z).into();
+            for (((position, x), y), z) in positions.iter_mut().zip(x).zip(y).zip(z) {
+                *position = a * (*x).into() + b * (*y).into() + c * (*z).into();
             }
-            receive(&places[..x.len()]);
+            receive(&positions[..x.len()]);
         }
     }
 }

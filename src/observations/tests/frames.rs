@@ -43,7 +43,7 @@ fn the_registered_depth_is_that_of_the_scene_without_holes_and_ghosts() {
 }
 
 #[test]
-fn a_depth_camera_in_the_place_of_the_colour_camera_changes_nothing() {
+fn a_depth_camera_at_the_position_of_the_colour_camera_changes_nothing() {
     let camera = color_camera();
     let values = depths(&camera, &RigidMotion::identity());
     let view = DepthView::from_f32(&values, COLOR_SIZE, 1.0).unwrap();

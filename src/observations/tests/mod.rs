@@ -48,7 +48,7 @@ fn on_box(point: &Vector3<f64>) -> bool {
     (0..3).all(|axis| (BOX[0][axis] - 1e-6..=BOX[1][axis] + 1e-6).contains(&point[axis]))
 }
 
-/// What a camera sees at a place in its image, in the colour frame.
+/// What a camera sees at a position in its image, in the colour frame.
 fn seen(camera: &Camera, to_color: &RigidMotion, pixel: &Vector2<f64>) -> Vector3<f64> {
     let ray = to_color.direction(&camera.unproject(pixel).unwrap());
     let from = *to_color.translation();
@@ -92,7 +92,7 @@ fn box_mask(margin: isize) -> Mask {
 }
 
 #[test]
-fn a_place_is_in_the_pixel_whose_middle_is_nearest() {
+fn a_position_is_in_the_pixel_whose_middle_is_nearest() {
     let at = |x: f64, y: f64| pixel_at(&Vector2::new(x, y));
     assert_eq!(at(-0.4, 1.49), Some((0, 1)));
     assert_eq!(at(2.5, 0.0), Some((3, 0)));

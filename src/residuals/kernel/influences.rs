@@ -1,6 +1,6 @@
 //! What the covariance of a minimum takes of points.
 
-use super::{Groups, Kernel, Notes, Place, Terms, add, products};
+use super::{Coordinates, Groups, Kernel, Notes, Terms, add, products};
 use crate::geometry::{Tangent, TangentMap};
 use crate::residuals::loss::{Influence, Loss};
 use pulp::Simd;
@@ -55,7 +55,7 @@ impl<L: Loss> Terms<INFLUENCES> for Influences<'_, L> {
         let step = self.to_minimum;
         let (part, largest) = (simd.splat_f64s(self.part), simd.splat_f64s(self.largest_leverage));
         for group in groups.range() {
-            let (Place { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
+            let (Coordinates { a, b, h, facing, .. }, e, weight) = groups.at(simd, kernel, group);
             let part = simd.mul_f64s(weight, part);
             let Influence { weight, slope, .. } = self.loss.influences(simd, e, facing);
             let w = simd.mul_f64s(part, weight);

@@ -84,7 +84,7 @@ fn gradient_and_hessian_agree_with_central_differences_of_g() {
 }
 
 #[test]
-fn points_without_noise_give_the_cylinder_whatever_the_arc_the_place_and_the_unit() {
+fn points_without_noise_give_the_cylinder_whatever_the_arc_the_position_and_the_unit() {
     for half_angle in [20.0_f64, 45.0, 70.0, 180.0] {
         for (scale, offset, tolerance) in [
             (1.0, Vector3::zeros(), 1e-9),

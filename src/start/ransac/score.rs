@@ -6,7 +6,7 @@ use crate::geometry::{Chart, Cylinder, CylinderLimits, LocalFrame, Plane};
 use crate::memory::List;
 use crate::residuals::{NormalEquations, Objective, PointRows, PointTerm, Truncated, Wall};
 use crate::solver::{Domain, IterationLimits, minimise};
-use crate::statistics::{median_point, median_size};
+use crate::statistics::{median_absolute, median_point};
 use nalgebra::Vector3;
 
 /// Threshold of the first part of the local optimisation, in units of the final one: wide enough for the
@@ -142,14 +142,14 @@ impl Scorer<'_> {
         let distances = self.distances(&self.judges, cylinder);
         // Most samples are worse, which a count tells: no order.
         let below = distances.iter().filter(|e| **e * self.size < limit).count();
-        (below > distances.len() / 2).then(|| median_size(distances.iter().copied()) * self.size)
+        (below > distances.len() / 2).then(|| median_absolute(distances.iter().copied()) * self.size)
     }
 
     /// The median distance of the points within the threshold, if any.
     pub fn median_inlier_distance(&self, cylinder: &Cylinder) -> Option<f64> {
         let mut distances = self.distances(&self.term, cylinder);
         distances.retain(|e| *e * self.size < self.threshold);
-        (!distances.is_empty()).then(|| median_size(distances.iter().copied()) * self.size)
+        (!distances.is_empty()).then(|| median_absolute(distances.iter().copied()) * self.size)
     }
 
     /// The cylinder moved into the limits; `None` when its radius is not positive or not finite.

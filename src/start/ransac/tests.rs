@@ -108,7 +108,7 @@ fn equal_seeds_give_equal_bits() {
 }
 
 #[test]
-fn the_unit_of_length_and_the_place_do_not_matter() {
+fn the_unit_of_length_and_the_position_do_not_matter() {
     let (points, _) = Arc { noise: 5e-4, outliers: 0.2, ..Arc::default() }.sample(5);
     let reference = search(&points, None, false, &RansacOptions::default()).unwrap();
     for (scale, offset) in

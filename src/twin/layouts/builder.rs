@@ -1,4 +1,4 @@
-//! Puts bodies into a scene by their places in the room: x to the right, y away from the camera, z up.
+//! Puts bodies into a scene by their positions in the room: x to the right, y away from the camera, z up.
 
 use crate::error::Result;
 use crate::geometry::{Cylinder, RigidMotion, any_orthogonal};
@@ -83,7 +83,7 @@ impl Builder {
         Ok(Self { scene: Scene::default(), to_camera, objects: 0, footprints: Vec::new() })
     }
 
-    /// A lamp at a place of the room.
+    /// A lamp at a position of the room.
     pub fn light(&mut self, at: Vector3<f64>, ambient: f64) {
         self.scene.lamp = self.to_camera.point(&at);
         self.scene.ambient = ambient;
@@ -120,7 +120,7 @@ impl Builder {
         Ok(())
     }
 
-    /// A plane through a place with a normal.
+    /// A plane through a position with a normal.
     pub fn plane(&mut self, at: Vector3<f64>, normal: Vector3<f64>, material: Material) -> Result<()> {
         self.add(0, Shape::Plane, (at, normal, 0.0), material)
     }
@@ -162,7 +162,7 @@ impl Builder {
         Ok(object)
     }
 
-    /// Takes a place on the table, unless something stands there.
+    /// Takes a position on the table, unless something stands there.
     pub fn claim(&mut self, footprint: Footprint) -> bool {
         let free = !self.footprints.iter().any(|other| other.overlaps(&footprint));
         if free {

@@ -7,7 +7,7 @@ use crate::twin::random::Stream;
 use crate::twin::scene::{Scene, Style};
 use nalgebra::Vector3;
 
-/// How often a free place is looked for.
+/// How often a free position is looked for.
 const TRIES: usize = 40;
 
 pub fn scene(stream: &mut Stream) -> Result<Scene> {

@@ -8,7 +8,7 @@ use crate::twin::shape::Shape;
 use nalgebra::{Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// How often a free place is looked for.
+/// How often a free position is looked for.
 const TRIES: usize = 40;
 
 /// The half sides of the part of the table that things stand on, in metres.
@@ -46,7 +46,7 @@ pub fn room(stream: &mut Stream) -> Result<Builder> {
     Ok(room)
 }
 
-fn place(stream: &mut Stream) -> Vector2<f64> {
+fn position(stream: &mut Stream) -> Vector2<f64> {
     Vector2::new(stream.between(-AREA[0], AREA[0]), stream.between(-AREA[1], AREA[1]))
 }
 
@@ -61,7 +61,7 @@ fn random_cylinder(stream: &mut Stream) -> Cylindrical {
 fn standing(room: &mut Builder, stream: &mut Stream) -> Result<()> {
     let cylinder = random_cylinder(stream);
     for _ in 0..TRIES {
-        let at = place(stream);
+        let at = position(stream);
         if !room.claim(Footprint::disc(at, cylinder.widest())) {
             continue;
         }
@@ -84,7 +84,7 @@ fn standing(room: &mut Builder, stream: &mut Stream) -> Result<()> {
 fn lying(room: &mut Builder, stream: &mut Stream) -> Result<()> {
     let cylinder = random_cylinder(stream);
     for _ in 0..TRIES {
-        let (at, turn) = (place(stream), stream.between(0.0, PI));
+        let (at, turn) = (position(stream), stream.between(0.0, PI));
         let (sine, cosine) = libm::sincos(turn);
         let reach = (0.5 * cylinder.whole() - cylinder.widest()).max(0.0) + 0.2 * cylinder.widest();
         let along = Vector2::new(cosine, sine) * reach;
@@ -111,7 +111,7 @@ fn leaning(room: &mut Builder, stream: &mut Stream) -> Result<()> {
     let edge = height * cosine / sine;
     let half = Vector3::new(stream.between(0.02, 0.04), stream.between(0.03, 0.06), 0.5 * height);
     for _ in 0..TRIES {
-        let (at, turn) = (place(stream), stream.between(0.0, TAU));
+        let (at, turn) = (position(stream), stream.between(0.0, TAU));
         let (east, north) = libm::sincos(turn);
         let forward = Vector2::new(north, east);
         let end = at + forward * (edge + 2.0 * half.x);
@@ -146,7 +146,7 @@ fn bottle(room: &mut Builder, stream: &mut Stream) -> Result<()> {
     let [body, shoulder, top] =
         [stream.between(0.08, 0.14), stream.between(0.03, 0.06), stream.between(0.03, 0.06)];
     for _ in 0..TRIES {
-        let at = place(stream);
+        let at = position(stream);
         if !room.claim(Footprint::disc(at, radius)) {
             continue;
         }
@@ -162,8 +162,8 @@ fn bottle(room: &mut Builder, stream: &mut Stream) -> Result<()> {
         };
         room.cylinder(&piece(radius, body), middle(0.5 * body), material, Some(object))?;
         let shape = Shape::Turned { radii: [radius, neck], length: shoulder, bore: None };
-        let (place, axis) = middle(body + 0.5 * shoulder);
-        room.add(object, shape, (place, axis, 0.0), material)?;
+        let (point, axis) = middle(body + 0.5 * shoulder);
+        room.add(object, shape, (point, axis, 0.0), material)?;
         room.cylinder(&piece(neck, top), middle(body + shoulder + 0.5 * top), material, Some(object))?;
         break;
     }
@@ -175,7 +175,7 @@ pub fn block(room: &mut Builder, stream: &mut Stream) -> Result<()> {
     let half =
         Vector3::new(stream.between(0.015, 0.07), stream.between(0.015, 0.07), stream.between(0.01, 0.08));
     for _ in 0..TRIES {
-        let (at, turn) = (place(stream), stream.between(0.0, PI));
+        let (at, turn) = (position(stream), stream.between(0.0, PI));
         if !room.claim(Footprint::disc(at, half.xy().norm())) {
             continue;
         }
@@ -199,7 +199,7 @@ pub fn block(room: &mut Builder, stream: &mut Stream) -> Result<()> {
 pub fn ball(room: &mut Builder, stream: &mut Stream) -> Result<()> {
     let radius = stream.log_between(0.015, 0.08);
     for _ in 0..TRIES {
-        let at = place(stream);
+        let at = position(stream);
         if room.claim(Footprint::disc(at, radius)) {
             let object = room.new_object();
             let middle = (Vector3::new(at.x, at.y, radius), Vector3::z(), 0.0);
@@ -221,7 +221,7 @@ pub fn frustum(room: &mut Builder, stream: &mut Stream) -> Result<()> {
     let upside_down = stream.chance(0.5);
     let on_its_side = stream.chance(0.25);
     for _ in 0..TRIES {
-        let (at, turn) = (place(stream), stream.between(0.0, TAU));
+        let (at, turn) = (position(stream), stream.between(0.0, TAU));
         let reach = if on_its_side { 0.5 * length + wide } else { wide };
         if !room.claim(Footprint::disc(at, reach)) {
             continue;

@@ -1,7 +1,7 @@
 //! Active stereo: two infrared cameras, and a projector that gives texture to what has none.
 //!
 //! Both cameras see dots and scene; windows of the left image are looked for in the right one, and the way back must
-//! lead to the same place (Keselman et al., "Intel RealSense stereoscopic depth cameras", CVPR workshops 2017). Depth is
+//! lead to the same position (Keselman et al., "Intel RealSense stereoscopic depth cameras", CVPR workshops 2017). Depth is
 //! f b / d, as for structured light; the noise of both images counts.
 
 use super::infrared::{Infrared, Pattern};
@@ -21,7 +21,7 @@ pub struct ActiveStereo {
     pub half_window: usize,
     /// The least correlation.
     pub least_score: f32,
-    /// The second best place must correlate less than this share of the best one.
+    /// The second best position must correlate less than this share of the best one.
     pub uniqueness: f32,
     /// Disparities are multiples of 1 / `steps` pixels.
     pub steps: f64,

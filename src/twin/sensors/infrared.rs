@@ -7,7 +7,7 @@ use crate::twin::sampling::{Key, Sample, mean_over_pixels};
 use crate::twin::scene::{Scene, Viewpoint};
 use nalgebra::{Vector2, Vector3};
 
-/// Places of the pattern in a pixel, along rows and along columns.
+/// Positions of the pattern in a pixel, along rows and along columns.
 const FINENESS: f64 = 2.0;
 
 /// The brightest tenth of the pixels has at least this value: what an automatic exposure sees to.
@@ -52,7 +52,7 @@ impl Pattern {
         Self { margin, columns, rows, values }
     }
 
-    /// The light at a place in pixels, 0 beyond the pattern.
+    /// The light at a position in pixels, 0 beyond the pattern.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let (x, y) = ((x + self.margin as f64) * FINENESS, y * FINENESS);
         let (left, top) = (libm::floor(x), libm::floor(y));

@@ -11,9 +11,9 @@ pub struct Matching {
     pub count: usize,
     /// The least correlation.
     pub least_score: f32,
-    /// The second best place must correlate less than this share of the best one, else neither counts.
+    /// The second best position must correlate less than this share of the best one, else neither counts.
     pub uniqueness: f32,
-    /// Whether the best place of the other image must lead back.
+    /// Whether the best position of the other image must lead back.
     pub both_ways: bool,
     /// Disparities are multiples of 1 / `steps` pixels.
     pub steps: f64,
@@ -202,11 +202,11 @@ impl<'a> RowSearch<'a> {
     fn leads_back(&self, x: usize, at: usize) -> bool {
         let best = self.best[x];
         (0..self.matching.count).all(|index| {
-            let place = x as isize + index as isize - at as isize;
+            let column = x as isize + index as isize - at as isize;
             let near = index.abs_diff(at) <= 1;
-            near || place < 0
-                || place >= self.width as isize
-                || self.scores[index * self.width + place as usize] <= best
+            near || column < 0
+                || column >= self.width as isize
+                || self.scores[index * self.width + column as usize] <= best
         })
     }
 }
@@ -289,12 +289,12 @@ mod tests {
     fn a_shifted_image_is_found_at_its_shift() {
         let (width, height, margin) = (60, 20, 24);
         let noise = |x: i64, y: i64| (255.0 * hash(3, x, y)) as u8;
-        let place = |k: usize, width: usize| ((k % width) as i64, (k / width) as i64);
+        let pixel = |k: usize, width: usize| ((k % width) as i64, (k / width) as i64);
         let long = width + margin;
         let second: Vec<u8> =
-            (0..long * height).map(|k| place(k, long)).map(|(x, y)| noise(x - margin as i64, y)).collect();
+            (0..long * height).map(|k| pixel(k, long)).map(|(x, y)| noise(x - margin as i64, y)).collect();
         let first: Vec<u8> =
-            (0..width * height).map(|k| place(k, width)).map(|(x, y)| noise(x - 9, y)).collect();
+            (0..width * height).map(|k| pixel(k, width)).map(|(x, y)| noise(x - 9, y)).collect();
         for both_ways in [false, true] {
             let matching = Matching { both_ways, ..MATCHING };
             let found = disparities(&first, &second, (width, height), margin, &matching);

@@ -24,7 +24,7 @@ pub struct StructuredLight {
     pub half_window: usize,
     /// The least correlation.
     pub least_score: f32,
-    /// The second best place must correlate less than this share of the best one.
+    /// The second best position must correlate less than this share of the best one.
     pub uniqueness: f32,
     /// Disparities are multiples of 1 / `steps` pixels.
     pub steps: f64,

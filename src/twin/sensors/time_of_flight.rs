@@ -128,8 +128,8 @@ impl TimeOfFlight {
         cells.iter_mut().flatten().for_each(|sum| *sum /= area);
         blur(&mut cells, (columns, rows), self.scatter_width / CELL as f64);
         // Between the middles of cells, so that no step shows.
-        let between = |place: usize, count: usize| {
-            let at = ((place as f64 + 0.5) / CELL as f64 - 0.5).clamp(0.0, (count - 1) as f64);
+        let between = |index: usize, count: usize| {
+            let at = ((index as f64 + 0.5) / CELL as f64 - 0.5).clamp(0.0, (count - 1) as f64);
             let first = libm::floor(at) as usize;
             (first, (first + 1).min(count - 1), at - first as f64)
         };

@@ -124,8 +124,8 @@ fn section_of_scenes(scenes: &[(String, Hits)]) -> Section {
 
 /// The truth of a scene; `None` where the frame is one of a single cylinder.
 fn scene_truth(path: &Path) -> Result<Option<Truths>, Failure> {
-    let place = path.with_file_name("truth.json");
-    let text = std::fs::read(&place).map_err(|error| Failure::not_readable(&place, &error))?;
+    let truth_path = path.with_file_name("truth.json");
+    let text = std::fs::read(&truth_path).map_err(|error| Failure::not_readable(&truth_path, &error))?;
     let Ok(file) = serde_json::from_slice::<SceneFile>(&text) else { return Ok(None) };
     let targets = |list: Vec<TargetFile>| -> Result<Vec<Target>, Failure> {
         let target = |one: TargetFile| {

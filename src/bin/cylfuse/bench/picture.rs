@@ -41,11 +41,11 @@ impl Outline {
         }
         let (u, v) = any_orthogonal(&self.cylinder.axis.direction);
         for end in self.ends {
-            let place = |k: i32| {
+            let point = |k: i32| {
                 let (sine, cosine) = (TAU * f64::from(k) / 60.0).sin_cos();
                 project(end + (u * cosine + v * sine) * self.cylinder.radius)
             };
-            lines.push((0..=60).filter_map(place).collect());
+            lines.push((0..=60).filter_map(point).collect());
         }
         lines
     }

@@ -76,7 +76,7 @@ pub struct Panel {
     pub y: Axis,
     /// A dashed line across it, with its name in the legend of the page.
     pub level: Option<f64>,
-    /// How far apart the marks of different series at one place are drawn.
+    /// How far apart the marks of different series at one position are drawn.
     pub aside: f64,
 }
 

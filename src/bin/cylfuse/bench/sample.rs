@@ -149,10 +149,10 @@ impl Sample {
     /// Those of reading them.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let place = folder.join("truth.json");
-        let text = std::fs::read(&place).map_err(|error| Failure::not_readable(&place, &error))?;
+        let truth_path = folder.join("truth.json");
+        let text = std::fs::read(&truth_path).map_err(|error| Failure::not_readable(&truth_path, &error))?;
         let truth: TruthFile =
-            serde_json::from_slice(&text).map_err(|error| Failure::bad_frame(&place, error))?;
+            serde_json::from_slice(&text).map_err(|error| Failure::bad_frame(&truth_path, error))?;
         let radius = truth.radius_in_sensor_scale.unwrap_or(truth.radius);
         let center = Vector3::from(truth.center);
         let cylinder = Cylinder::new(center, truth.axis.into(), radius);
@@ -175,7 +175,7 @@ impl Sample {
             views: views.collect::<Result<_, Failure>>()?,
             truth: Truth {
                 cylinder: cylinder
-                    .map_err(|error| Failure::from(error).in_frame(&place, "radius and axis"))?,
+                    .map_err(|error| Failure::from(error).in_frame(&truth_path, "radius and axis"))?,
                 radius_known: truth.radius_known_independently.unwrap_or(true),
                 center: both.then_some(center),
                 length: truth.length.filter(|_| both),
@@ -221,9 +221,9 @@ fn own_body(taken: &Capture, seen: &SeenCylinder) -> Vec<bool> {
 
 /// Whether enough of a limb lies along pixels of the body.
 fn is_seen(limb: &[Vector2<f64>; 2], body: &[bool], (width, height): (usize, usize)) -> bool {
-    const PLACES: usize = 50;
-    let near = |place: &usize| {
-        let at = limb[0].lerp(&limb[1], (*place as f64 + 0.5) / PLACES as f64);
+    const SAMPLES: usize = 50;
+    let near = |sample: &usize| {
+        let at = limb[0].lerp(&limb[1], (*sample as f64 + 0.5) / SAMPLES as f64);
         let (x, y) = (at.x.round() as i64, at.y.round() as i64);
         (-2..=2).any(|dy| {
             (-2..=2).any(|dx| {
@@ -234,10 +234,10 @@ fn is_seen(limb: &[Vector2<f64>; 2], body: &[bool], (width, height): (usize, usi
         })
     };
     // What the border of the image cuts off counts for neither.
-    let inside = |place: &usize| {
-        let at = limb[0].lerp(&limb[1], (*place as f64 + 0.5) / PLACES as f64);
+    let inside = |sample: &usize| {
+        let at = limb[0].lerp(&limb[1], (*sample as f64 + 0.5) / SAMPLES as f64);
         at.x >= 0.0 && at.y >= 0.0 && at.x < width as f64 && at.y < height as f64
     };
-    let places: Vec<usize> = (0..PLACES).filter(inside).collect();
-    places.iter().filter(|place| near(place)).count() as f64 >= SEEN_OF_EDGE * places.len() as f64
+    let samples: Vec<usize> = (0..SAMPLES).filter(inside).collect();
+    samples.iter().filter(|sample| near(sample)).count() as f64 >= SEEN_OF_EDGE * samples.len() as f64
 }

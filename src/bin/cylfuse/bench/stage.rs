@@ -148,7 +148,7 @@ impl OnBoard {
         const THIN: f64 = 0.002;
         let card = Material { albedo: 0.5, ..Material::default() };
         let turned = Matrix3::from_columns(&[*side, *axis, *away]);
-        // The place in front of a point of the surface on its line of sight.
+        // The position in front of a point of the surface on its line of sight.
         let before = |point: Vector3<f64>| {
             let depth = (point - center).dot(away) + self.radius + BEFORE;
             point * (1.0 - depth / point.dot(away))
@@ -199,8 +199,8 @@ pub fn pipes(scenario: usize, seed: u64) -> Result<Scene> {
     let mut cylinders = Vec::new();
     for (index, radius) in radii.iter().enumerate() {
         let object = index as u16 + 1;
-        let place = (index as f64 - 0.5 * (radii.len() - 1) as f64) * 0.1;
-        let center = middle + beside * (place + stream.between(-0.01, 0.01));
+        let offset = (index as f64 - 0.5 * (radii.len() - 1) as f64) * 0.1;
+        let center = middle + beside * (offset + stream.between(-0.01, 0.01));
         let material = Material {
             albedo: stream.between(0.3, 0.8),
             cap_albedo: 0.5,

@@ -25,7 +25,7 @@ pub struct Picture {
 /// A word on a picture. The page writes it, so that it has the size of other text however small the picture is shown.
 #[derive(Debug, Clone, Serialize)]
 pub struct Label {
-    /// The place of its middle, as parts of width and height.
+    /// The position of its middle, as parts of width and height.
     at: [f32; 2],
     text: String,
 }

@@ -231,11 +231,11 @@ mod tests {
 
     #[test]
     fn every_part_has_its_place_and_none_ends_a_script() {
-        let places: Vec<usize> = ["{{style}}", "{{content}}", "{{three}}", "{{program}}"]
+        let offsets: Vec<usize> = ["{{style}}", "{{content}}", "{{three}}", "{{program}}"]
             .iter()
             .map(|mark| PAGE.find(mark).unwrap())
             .collect();
-        assert!(places.is_sorted());
+        assert!(offsets.is_sorted());
         for part in [PROGRAM, THREE, THREE_LICENSE] {
             assert!(!part.contains("</script"));
         }

@@ -145,7 +145,7 @@ impl Tolerance {
         let (limit, side) =
             if value - self.high >= self.low - value { (self.high, "above") } else { (self.low, "below") };
         let limit = format!("{}{}", rounded(limit * unit.factor), unit.name);
-        let place = match beyond > 0.0 {
+        let margin = match beyond > 0.0 {
             true => format!("{} {side} the limit of {limit}", text(beyond)),
             false => format!("{} within the limit of {limit}", text(-beyond)),
         };
@@ -156,11 +156,11 @@ impl Tolerance {
         let decided = fitter::Tolerance::new(self.low, self.high)
             .and_then(|limits| limits.decide(value, Some(deviation), Flags::empty()));
         match decided {
-            Ok(Conformity::Conforming) => (Verdict::Pass, format!("{name} {place}")),
-            Ok(Conformity::NotConforming) => (Verdict::Fail, format!("{name} {place}")),
+            Ok(Conformity::Conforming) => (Verdict::Pass, format!("{name} {margin}")),
+            Ok(Conformity::NotConforming) => (Verdict::Fail, format!("{name} {margin}")),
             _ => {
                 let coverage = fitter::Tolerance::COVERAGE;
-                undecided(&format!("{place}, its uncertainty is {} ({coverage} deviations)", text(reach)))
+                undecided(&format!("{margin}, its uncertainty is {} ({coverage} deviations)", text(reach)))
             }
         }
     }

@@ -13,7 +13,7 @@ pub struct ViewValues {
     pub fitted: Fitted,
     /// What the image shows of the two limbs; none when it was not searched, and for several views together.
     pub limbs: Option<[LimbValues; 2]>,
-    /// In how many places the image shows the arcs of start and end; none without an extent, and for several views
+    /// At how many positions the image shows the arcs of start and end; none without an extent, and for several views
     /// together.
     pub arc_samples: Option<[usize; 2]>,
     /// What became of the pixels of the mask; none without one.

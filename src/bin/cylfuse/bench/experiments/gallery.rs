@@ -81,13 +81,13 @@ fn completion(sample: &Sample, method: Method, outcome: &Outcome) -> Result<Stri
     let frame = truth.axis;
     let toward = frame.nearest_to_origin().normalize();
     let side = frame.direction.cross(&toward);
-    let place = |point: Vector3<f64>| {
+    let across = |point: Vector3<f64>| {
         let from = point - frame.point;
         [1e3 * from.dot(&side), 1e3 * from.dot(&toward)]
     };
     let mut completed = Vec::new();
-    fitter.complete(Some(&outcome.cylinder), None, &mut |_, _, point| completed.extend(point.map(place)))?;
-    let measured: Vec<_> = fitter.cloud().points().map(place).collect();
+    fitter.complete(Some(&outcome.cylinder), None, &mut |_, _, point| completed.extend(point.map(across)))?;
+    let measured: Vec<_> = fitter.cloud().points().map(across).collect();
     let thinned = |points: Vec<[f64; 2]>| {
         let step = (points.len() / SHOWN).max(1);
         points.into_iter().step_by(step).collect::<Vec<_>>()

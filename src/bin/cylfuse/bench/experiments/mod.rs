@@ -101,7 +101,7 @@ fn series_of(method: Method, marks: Vec<Mark>) -> Series {
     Series { name: method.name().into(), color: method.color(), marks, joined: true }
 }
 
-/// The mean and standard deviation of an error at a place of an axis.
+/// The mean and standard deviation of an error at a position of an axis.
 fn mark(x: f64, errors: &[Errors], metric: usize) -> Mark {
     let summary = Summary::of(errors.iter().map(|errors| errors[metric]));
     Mark { x, y: summary.mean, spread: summary.deviation }

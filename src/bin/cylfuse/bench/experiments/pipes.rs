@@ -67,10 +67,10 @@ pub fn run(bench: &Bench) -> Result<Section, Failure> {
     }
     let series: Vec<Series> = (methods.iter().enumerate())
         .map(|(k, method)| {
-            let place = |(x, (scenario, pipe)): (usize, &(usize, usize))| {
+            let point = |(x, (scenario, pipe)): (usize, &(usize, usize))| {
                 mark(x as f64 + 1.0, &errors(*scenario, *pipe, k), 2)
             };
-            let mut series = series_of(*method, all.iter().enumerate().map(place).collect());
+            let mut series = series_of(*method, all.iter().enumerate().map(point).collect());
             series.joined = false;
             series
         })

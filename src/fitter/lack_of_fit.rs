@@ -102,13 +102,14 @@ impl Shape {
 
 impl Data<'_> {
     /// Whether the points of a view lie on a body that is no cylinder.
-    pub fn is_misfit(&self, frame: &LocalFrame, scales: &Scales) -> bool {
+    pub fn has_lack_of_fit(&self, frame: &LocalFrame, scales: &Scales) -> bool {
         let mut views = self.views.iter().zip(&scales.views);
-        self.is_robust() && views.any(|(view, scales)| is_misfit(view, &frame.moved(&view.into_view), scales))
+        self.is_robust()
+            && views.any(|(view, scales)| has_lack_of_fit(view, &frame.moved(&view.into_view), scales))
     }
 }
 
-fn is_misfit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> bool {
+fn has_lack_of_fit(view: &ViewData<'_>, frame: &LocalFrame, scales: &RobustScales) -> bool {
     let points = sample(&view.view.cloud, &frame.cylinder, TUKEY_EFFICIENT * scales.point);
     let Some(shape) = Shape::new(&points, frame) else { return false };
     let of_shape = Rival { explained: shape.explained, left: shape.left, numbers: TERMS as f64 };
@@ -130,15 +131,17 @@ fn is_box(view: &ViewData<'_>, frame: &LocalFrame, points: &[(f64, Vector3<f64>)
         points.iter().map(|(weight, point)| (point - axis.nearest_to(point)) * *weight).sum();
     let Some(towards) = towards.try_normalize(0.0) else { return false };
     let across = axis.direction.cross(&towards);
-    let place = |point: &Vector3<f64>| {
-        let place = point - axis.point;
-        Vector3::new(place.dot(&axis.direction), place.dot(&across), place.dot(&towards))
+    let in_frame = |point: &Vector3<f64>| {
+        let offset = point - axis.point;
+        Vector3::new(offset.dot(&axis.direction), offset.dot(&across), offset.dot(&towards))
     };
-    let weighted: List<Weighted> =
-        points.iter().map(|(weight, point)| Weighted { weight: *weight, place: place(point) }).collect();
+    let weighted: List<Weighted> = points
+        .iter()
+        .map(|(weight, point)| Weighted { weight: *weight, position: in_frame(point) })
+        .collect();
     let Some((planes, left)) = TwoPlanes::new(&weighted) else { return false };
     let rival = Rival { explained: variance - left, left, numbers: TwoPlanes::NUMBERS };
-    rival.wins(view, frame, |point| planes.distance(&place(point)))
+    rival.wins(view, frame, |point| planes.distance(&in_frame(point)))
 }
 
 /// The variance that another body explains at least.

@@ -6,9 +6,11 @@ use super::data::{Data, ViewData};
 use super::view::View;
 use crate::geometry::LocalFrame;
 use crate::memory::List;
-use crate::observations::{ENOUGH, PointCloud, are_many};
+use crate::observations::{ENOUGH_POINTS_TO_FIT, PointCloud, are_many};
 use crate::residuals::PointTerm;
-use crate::statistics::{at_places, beside, bounds_of_median_size, median_size, median_size_between};
+use crate::statistics::{
+    beside, bounds_of_median_absolute, median_absolute, median_absolute_between, order_statistics,
+};
 use nalgebra::Vector3;
 
 /// Fewest rows of neighbours in a band, of as many as there are in a square: correlation is looked for over a third of them.
@@ -32,7 +34,7 @@ pub(super) struct Neighbours {
 impl Neighbours {
     pub fn new(cloud: &PointCloud, observed: bool) -> Self {
         let part: List<PointCloud> =
-            are_many(cloud.len()).then(|| cloud.spread(ENOUGH)).into_iter().collect();
+            are_many(cloud.len()).then(|| cloud.spread(ENOUGH_POINTS_TO_FIT)).into_iter().collect();
         let band: List<PointCloud> = part.iter().map(|part| middle_band(cloud, part)).collect();
         let lattice = Lattice::of_cloud(band.first().unwrap_or(cloud), observed);
         Self { part, band, lattice }
@@ -78,15 +80,16 @@ pub(super) fn median_distance(view: &ViewData<'_>, frame: &LocalFrame, near: Opt
     let cloud = &view.view.cloud;
     let between = |bounds| {
         let blocks = |receive: &mut dyn FnMut(&[f64])| view.points.distances_by_blocks(frame, receive);
-        median_size_between(bounds, cloud.len(), blocks)
+        median_absolute_between(bounds, cloud.len(), blocks)
     };
     let by_sample = || {
         let sample = cloud.spread(SAMPLE);
-        bounds_of_median_size(PointTerm::new(&sample, None).distances(frame).into_iter()).and_then(between)
+        bounds_of_median_absolute(PointTerm::new(&sample, None).distances(frame).into_iter())
+            .and_then(between)
     };
     near.and_then(|near| between(beside(near)))
         .or_else(by_sample)
-        .unwrap_or_else(|| median_size(view.points.distances(frame).into_iter()))
+        .unwrap_or_else(|| median_absolute(view.points.distances(frame).into_iter()))
 }
 
 /// The points in the middle of the length of a cloud, by a sample: neighbours stay neighbours, and all of an arc takes part.
@@ -96,26 +99,26 @@ fn middle_band(cloud: &PointCloud, sample: &PointCloud) -> PointCloud {
     let length: Vector3<f64> = spreads.eigenvectors.column(spreads.eigenvalues.imax()).into();
     let along = |point: Vector3<f64>| (point - cloud.origin()).dot(&length);
     let count = cloud.len() as f64;
-    let part = (ENOUGH as f64 / count).max(ROWS_OF_BAND / count.sqrt());
+    let part = (ENOUGH_POINTS_TO_FIT as f64 / count).max(ROWS_OF_BAND / count.sqrt());
     let last = (sample.len() - 1) as f64;
-    let places = [0.5 - 0.5 * part, 0.5 + 0.5 * part].map(|place| (place * last).round() as usize);
-    let band = cloud.between(&length, at_places(sample.points().map(along), places));
+    let ranks = [0.5 - 0.5 * part, 0.5 + 0.5 * part].map(|quantile| (quantile * last).round() as usize);
+    let band = cloud.between(&length, order_statistics(sample.points().map(along), ranks));
     // Where coordinates are so large that their squares overflow there is no band.
     if band.is_empty() { sample.clone() } else { band }
 }
 
 impl Data<'_> {
     /// The views with a part of their points, where there are very many.
-    pub fn views_of_few(&self) -> Option<List<View>> {
+    pub fn views_of_subsample(&self) -> Option<List<View>> {
         let count = self.count();
         are_many(count).then(|| {
-            let part = ENOUGH as f64 / count as f64;
+            let part = ENOUGH_POINTS_TO_FIT as f64 / count as f64;
             self.views.iter().map(|view| view.view.with_part(part)).collect()
         })
     }
 
     /// The same data with the points of these views, which stand for all.
-    pub fn of_few<'a>(&'a self, views: &'a [View]) -> Data<'a> {
+    pub fn of_subsample<'a>(&'a self, views: &'a [View]) -> Data<'a> {
         let view = |(of_all, view): (&'a ViewData<'_>, &'a View)| ViewData {
             view,
             points: of_all.points.of(&view.cloud),
@@ -130,8 +133,8 @@ impl View {
     /// The same view with a part of its points.
     fn with_part(&self, part: f64) -> Self {
         let count = self.cloud.len();
-        let few = ((count as f64 * part) as usize).max(count.min(ENOUGH / 10));
-        self.with_points(self.cloud.spread(few), self.body.clone())
+        let size = ((count as f64 * part) as usize).max(count.min(ENOUGH_POINTS_TO_FIT / 10));
+        self.with_points(self.cloud.spread(size), self.body.clone())
     }
 }
 
@@ -186,8 +189,8 @@ mod tests {
         let points = grid(&truth(), 1e-3);
         let fitter = fitter(&points);
         let cloud = fitter.cloud();
-        let band = middle_band(cloud, &cloud.spread(ENOUGH));
-        assert!((ENOUGH..2 * ENOUGH).contains(&band.len()), "{}", band.len());
+        let band = middle_band(cloud, &cloud.spread(ENOUGH_POINTS_TO_FIT));
+        assert!((ENOUGH_POINTS_TO_FIT..2 * ENOUGH_POINTS_TO_FIT).contains(&band.len()), "{}", band.len());
         let mean = band.points().sum::<Vector3<f64>>() / band.len() as f64;
         assert!((mean.y - 0.02).abs() < 1e-3, "{mean}");
         let frame = LocalFrame::new(&truth(), &truth().axis.point, 1.0);
@@ -218,7 +221,7 @@ mod tests {
         let other = other.fit().unwrap();
         assert!((other.cylinder.radius - result.cylinder.radius).abs() < 1e-3 * deviation);
         // A part of them has a minimum of its own.
-        let mut part = self::fitter(&points[..2 * ENOUGH / COLUMNS * COLUMNS]);
+        let mut part = self::fitter(&points[..2 * ENOUGH_POINTS_TO_FIT / COLUMNS * COLUMNS]);
         let part = part.fit().unwrap();
         assert!((part.cylinder.radius - result.cylinder.radius).abs() > 1e-2 * deviation);
     }
@@ -232,7 +235,7 @@ mod tests {
         moved.axis.point.x += 1e-3;
         let frame = LocalFrame::new(&moved, &moved.axis.point, 1.0);
         let distances = data.views[0].points.distances(&frame);
-        let limit = median_size(distances.iter().copied());
+        let limit = median_absolute(distances.iter().copied());
         for near in [None, Some(limit), Some(0.99 * limit), Some(1.1 * limit), Some(0.0), Some(f64::NAN)] {
             assert_eq!(median_distance(&data.views[0], &frame, near), limit);
         }

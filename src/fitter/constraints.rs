@@ -1,4 +1,4 @@
-//! What a cylinder is held to beside the points.
+//! What constrains a cylinder beside the points.
 
 use super::data::{Data, ViewData};
 use super::result::Flags;
@@ -10,11 +10,11 @@ use crate::memory::List;
 use crate::residuals::{ArcTerm, LimbTerm, PixelSegment, PixelTerm, Rim};
 use nalgebra::Vector3;
 
-/// What a fit holds the cylinder to beside the points, and what it found out about that. A value: every stage makes a
+/// What constrains the cylinder of a fit beside the points, and what the fit found out about that. A value: every stage makes a
 /// new one.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Held {
-    pub views: List<HeldView>,
+pub(super) struct Constraints {
+    pub views: List<ViewConstraints>,
     /// Warnings about the edges.
     pub flags: Flags,
     /// w_L: 0 where no edges count.
@@ -23,12 +23,12 @@ pub(super) struct Held {
     pub settled: bool,
 }
 
-/// The same of one view.
+/// The constraints of one view.
 #[derive(Debug, Clone, Default)]
-pub(super) struct HeldView {
+pub(super) struct ViewConstraints {
     /// Which view of the fitter it is.
     pub index: usize,
-    /// The lines that the limbs are held to.
+    /// The lines that constrain the limbs.
     pub lines: Option<PixelTerm>,
     /// How many of them are given segments.
     pub given: usize,
@@ -40,35 +40,35 @@ pub(super) struct HeldView {
     /// The arcs of the ends.
     pub arcs: ArcTerm,
     /// Where the arcs were located.
-    pub ends: [Option<EndPlace>; 2],
+    pub ends: [Option<EndPosition>; 2],
     /// What the image shows of the limbs; `None` where it was not searched.
     pub limbs: Option<[LimbObservation; 2]>,
     /// What the next image of a sequence need not be asked again.
     pub appearance: Option<Appearance>,
 }
 
-impl Held {
+impl Constraints {
     /// The given segments as they are.
     pub fn as_given(data: &Data<'_>) -> Self {
-        let view = |view: &ViewData<'_>| HeldView::new(view, &view.edges.segments, 0, 0);
+        let view = |view: &ViewData<'_>| ViewConstraints::new(view, &view.edges.segments, 0, 0);
         let flags = data.views.iter().fold(Flags::empty(), |flags, view| flags | view.edges.flags);
-        let mut held = Self {
+        let mut constraints = Self {
             views: data.views.iter().map(view).collect(),
             flags,
             edge_weight: data.edge_weight,
             settled: true,
         };
         let counted = !data.options.has_edge_weight() || data.edge_weight > 0.0;
-        for (held, view) in held.views.iter_mut().zip(&data.views) {
-            held.given = if counted { view.edges.segments.len() } else { 0 };
+        for (constraints, view) in constraints.views.iter_mut().zip(&data.views) {
+            constraints.given = if counted { view.edges.segments.len() } else { 0 };
         }
-        held
+        constraints
     }
 
     /// Without any edges, for a reason.
     pub fn without_edges(data: &Data<'_>, reason: Flags) -> Self {
         let flags = Self::as_given(data).flags | reason | Flags::EDGES_IGNORED;
-        let views = data.views.iter().map(|view| HeldView::new(view, &[], 0, 0)).collect();
+        let views = data.views.iter().map(|view| ViewConstraints::new(view, &[], 0, 0)).collect();
         Self { views, flags, edge_weight: 0.0, settled: true }
     }
 
@@ -80,8 +80,8 @@ impl Held {
         }
     }
 
-    /// What a view of the fitter is held to.
-    pub fn view(&self, index: usize) -> Option<&HeldView> {
+    /// The constraints of a view of the fitter.
+    pub fn view(&self, index: usize) -> Option<&ViewConstraints> {
         self.views.iter().find(|view| view.index == index)
     }
 
@@ -114,13 +114,13 @@ impl Held {
 
 /// Where an arc was located.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EndPlace {
+pub(super) struct EndPosition {
     /// The middle of its circle, in the reference frame.
     middle: Vector3<f64>,
     blur: f64,
 }
 
-impl EndPlace {
+impl EndPosition {
     /// Of an arc on a cylinder in the reference frame.
     pub fn new(arc: &LastArc, cylinder: &Cylinder) -> Self {
         Self { middle: cylinder.axis.at(arc.position), blur: arc.blur }
@@ -132,12 +132,12 @@ impl EndPlace {
     }
 }
 
-impl HeldView {
+impl ViewConstraints {
     /// Whether the mask holds the body alone: such a mask gives arcs without far rims, and it does so about a cylinder that
     /// turned a little, too.
     pub fn is_whole(&self) -> bool {
-        let mut places = self.arcs.ends.iter().flatten();
-        !self.arcs.ends.is_empty() && places.all(|place| place.rim == Rim::Near)
+        let mut ends = self.arcs.ends.iter().flatten();
+        !self.arcs.ends.is_empty() && ends.all(|sample| sample.rim == Rim::Near)
     }
 
     /// Lines, of which some are given segments and some were located in the image.
