@@ -90,8 +90,13 @@ pub(super) fn collars(
     let [margin, near] = [(margin / slices.length) as usize, near_end(&slices, *radius)];
     let narrower = depth.clone().negated();
     let shortest = (NARROWER.get() * radius / slices.length) as usize + 1;
-    let lowered = narrower.raised_at_end(shortest..longest + 1, least);
     let stretches = depth.raised(longest, least, margin);
+    // A coupling in the middle of a pipe makes its ends look narrower.
+    let is_inside = |stretch: &&Range<usize>| slices.along(stretch, near).iter().all(|at| at.is_finite());
+    let raised =
+        stretches.iter().filter(is_inside).map(|stretch| depth.explained(stretch)).fold(0.0, f64::max);
+    let lowered = narrower.raised_at_end(shortest..longest + 1, least);
+    let lowered = lowered.filter(|stretch| narrower.explained(stretch) > raised);
     if stretches.is_empty() && lowered.is_none() {
         return None;
     }
@@ -112,7 +117,7 @@ pub(super) fn collars(
         let moved = moved(step);
         let sides: List<Profile> = sides.iter().flatten().map(|side| side.clone().negated()).collect();
         let of_sides = step_of_sides(&sides, &slices, &lowered, moved);
-        if step.ratio() >= DEPTH_RATIO.get() && is_confirmed(step, of_sides, false) {
+        if step.ratio() >= DEPTH_RATIO.get() && is_confirmed(step, of_sides, true) {
             let mut ends = ends;
             let [begin, end] = slices.along(&lowered, 0);
             ends[if begin.is_infinite() { 0 } else { 1 }] =

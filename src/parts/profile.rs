@@ -160,7 +160,12 @@ impl Profile {
         self
     }
 
-    /// The stretch of this length at least that reaches an end and may be above a line by a step of this size and this ratio.
+    /// What a step of a stretch explains of the squares about the line.
+    pub(super) fn explained(&self, stretch: &Range<usize>) -> f64 {
+        self.lever(stretch).map_or(0.0, |[up, freedom]| up * up / freedom)
+    }
+
+    /// The stretch of such a length that reaches an end and may be above a line by a step of this size and this ratio.
     pub(super) fn raised_at_end(&self, lengths: Range<usize>, least: [f64; 2]) -> Option<Range<usize>> {
         let count = self.slices.len();
         self.clearest(lengths.flat_map(|length| [0..length, count - length..count]), least)
