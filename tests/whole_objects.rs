@@ -33,6 +33,8 @@ enum Top {
     Lid,
     /// A ring about the body, and no lid.
     Ring,
+    /// A cap in line with the body that is a little narrower, as that of a spray can.
+    Narrower,
 }
 
 /// Length of a shoulder, and of the neck on it.
@@ -46,6 +48,10 @@ const LID: f64 = 0.025;
 /// How much wider a ring is, and where it is along the axis.
 const RING_WIDER: f64 = 1.3;
 const RING: [f64; 2] = [-0.02, 0.0];
+
+/// How much narrower a cap is, and how high.
+const NARROWER: f64 = 0.92;
+const CAP: f64 = 0.04;
 
 struct Scene {
     camera: Camera,
@@ -81,6 +87,7 @@ impl Scene {
         if let Some(seen) = match self.top {
             Top::Lid => self.look_at_ring(&ray, LID_WIDER, [HALF_LENGTH - LID, HALF_LENGTH], Part::Cap),
             Top::Ring => self.look_at_ring(&ray, RING_WIDER, RING, Part::Other),
+            Top::Narrower => self.look_at_ring(&ray, NARROWER, [HALF_LENGTH, HALF_LENGTH + CAP], Part::Cap),
             _ => None,
         } {
             return seen;
@@ -100,7 +107,7 @@ impl Scene {
         }
         let bottom = ray * (axis.at(-HALF_LENGTH).dot(&axis.direction) / ray.dot(&axis.direction));
         match self.top {
-            Top::Closed | Top::Ring => (Some(Part::Cap), cap.z),
+            Top::Closed | Top::Ring | Top::Narrower => (Some(Part::Cap), cap.z),
             Top::Dark => (Some(Part::Cap), 0.0),
             Top::Open | Top::Neck | Top::Lid => (Some(Part::InnerWall), far.z.min(bottom.z)),
         }
@@ -140,11 +147,10 @@ impl Scene {
         (0..3000).map(|k| 0.5 + 1e-4 * f64::from(k)).find(|z| is_inside(*z))
     }
 
-    fn pixels<T>(&self, value: impl Fn(Option<Part>, f64) -> T) -> Vec<T> {
-        let place = |k: usize| self.look(k % SIZE.0, k / SIZE.0);
+    fn pixels<T>(&self, mut value: impl FnMut(Option<Part>, f64) -> T) -> Vec<T> {
         (0..SIZE.0 * SIZE.1)
             .map(|k| {
-                let (part, depth) = place(k);
+                let (part, depth) = self.look(k % SIZE.0, k / SIZE.0);
                 value(part, depth)
             })
             .collect()
@@ -249,6 +255,24 @@ fn a_bottle_ends_at_its_shoulder() {
         let extent = fitter.extent(None, None).unwrap();
         let length = extent.length - 2.0 * HALF_LENGTH;
         assert!(length.abs() < 0.1 * scene.cylinder.radius, "{length}");
+    }
+}
+
+/// The cap counted as body, which was two thirds longer, and the axis tilted.
+#[test]
+fn a_body_ends_where_a_narrower_cap_begins() {
+    for direction in [Vector3::new(0.1, -0.97, -0.1), Vector3::new(-0.2, -0.97, -0.15)] {
+        for seed in 0..5 {
+            let scene = Scene::with_axis(Top::Narrower, direction);
+            let mut noise = Noise::new(seed);
+            let depth = scene.pixels(|_, depth| depth as f32 + 5e-4 * noise.normal() as f32);
+            let mut fitter = scene.fitter_with(|_| true, &depth);
+            let difference = scene.cylinder.compare(&fitter.fit().unwrap().cylinder);
+            assert!(difference.angle < 0.005, "{}", difference.angle);
+            assert!(difference.radius_relative.abs() < 0.02, "{}", difference.radius_relative);
+            let length = fitter.extent(None, None).unwrap().length / (2.0 * HALF_LENGTH) - 1.0;
+            assert!(length.abs() < 0.03, "{length}");
+        }
     }
 }
 
