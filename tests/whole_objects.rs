@@ -33,6 +33,8 @@ enum Top {
     Lid,
     /// A ring about the body, and no lid.
     Ring,
+    /// Closed by a lid that lies lower than its rim, as that of a tin.
+    Recessed,
     /// A cap in line with the body that is a little narrower, as that of a spray can.
     Narrower,
 }
@@ -52,6 +54,9 @@ const RING: [f64; 2] = [-0.02, 0.0];
 /// How much narrower a cap is, and how high.
 const NARROWER: f64 = 0.92;
 const CAP: f64 = 0.04;
+
+/// How much lower than its rim a lid lies.
+const RECESS: f64 = 0.006;
 
 struct Scene {
     camera: Camera,
@@ -105,10 +110,12 @@ impl Scene {
         if (cap - rim).norm() > self.cylinder.radius {
             return (None, WALL);
         }
+        let lid = ray * (axis.at(HALF_LENGTH - RECESS).dot(&axis.direction) / ray.dot(&axis.direction));
         let bottom = ray * (axis.at(-HALF_LENGTH).dot(&axis.direction) / ray.dot(&axis.direction));
         match self.top {
             Top::Closed | Top::Ring | Top::Narrower => (Some(Part::Cap), cap.z),
             Top::Dark => (Some(Part::Cap), 0.0),
+            Top::Recessed => (Some(Part::Cap), far.z.min(lid.z)),
             Top::Open | Top::Neck | Top::Lid => (Some(Part::InnerWall), far.z.min(bottom.z)),
         }
     }
@@ -255,6 +262,24 @@ fn a_bottle_ends_at_its_shoulder() {
         let extent = fitter.extent(None, None).unwrap();
         let length = extent.length - 2.0 * HALF_LENGTH;
         assert!(length.abs() < 0.1 * scene.cylinder.radius, "{length}");
+    }
+}
+
+/// The end was where the lid is, and certain to half a pixel.
+#[test]
+fn a_body_ends_at_the_rim_of_a_recessed_lid() {
+    for direction in [Vector3::new(0.1, -0.86, -0.5), Vector3::new(-0.2, -0.9, -0.4)] {
+        for seed in 0..5 {
+            let scene = Scene::with_axis(Top::Recessed, direction);
+            let mut noise = Noise::new(seed);
+            let depth = scene.pixels(|_, depth| depth as f32 + 5e-4 * noise.normal() as f32);
+            let mut fitter = scene.fitter_with(|_| true, &depth);
+            fitter.fit().unwrap();
+            let extent = fitter.extent(None, None).unwrap();
+            let off = (extent.length - 2.0 * HALF_LENGTH).abs();
+            let stated = extent.uncertainty.unwrap().length;
+            assert!(off < 3.0 * stated && off < 0.7 * RECESS, "{off} {stated}");
+        }
     }
 }
 

@@ -283,7 +283,7 @@ fn locate(
     told: Option<&BodyEnd>,
     outward: f64,
 ) -> End {
-    let of_depth = told.and_then(|end| silhouette.of_depth(end));
+    let of_depth = told.and_then(|end| silhouette.of_depth(end, outward));
     let rim = told.is_some();
     let Some(rough) = of_depth.or_else(|| silhouette.end(surroundings, outward)) else {
         return End { rim, ..extreme(silhouette.extreme(outward), outward, surroundings) };

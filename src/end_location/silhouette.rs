@@ -154,9 +154,9 @@ impl<'a> Silhouette<'a> {
     }
 
     /// An end that the depth shows within the mask.
-    pub fn of_depth(&self, end: &BodyEnd) -> Option<RoughEnd> {
-        let pixel = 1.0 / self.surface.crossing(0.0, end.position)?.across;
-        let &BodyEnd { position, deviation, .. } = end;
+    pub fn of_depth(&self, end: &BodyEnd, outward: f64) -> Option<RoughEnd> {
+        let [position, deviation] = end.rim(outward);
+        let pixel = 1.0 / self.surface.crossing(0.0, position)?.across;
         pixel.is_finite().then_some(RoughEnd { position, deviation, pixel, inside: true })
     }
 

@@ -65,6 +65,9 @@ constants! {
     /// The depth may show the surface so far beyond an end, in pixels: matching windows draw it out.
     SURPLUS = 8.0, "px";
 
+    /// The far rim is at least so far beyond the plane of a cap that is recessed, in pixels.
+    LEAST_RECESS = 1.5, "px";
+
     /// Fewest pixels of a cap.
     LEAST_CAP = 40.0, "px";
 }
@@ -103,6 +106,17 @@ pub struct BodyEnd {
     pub deviation: f64,
     /// What tells it.
     pub sign: EndSign,
+    /// How much farther outward the rim may be: a lid lies lower than it, or the mask is too wide.
+    pub recess: f64,
+}
+
+impl BodyEnd {
+    /// Where its rim is, `outward` (± 1, along the axis) of the position, and the standard deviation: anywhere in the recess.
+    #[must_use]
+    pub fn rim(&self, outward: f64) -> [f64; 2] {
+        let position = self.position + 0.5 * outward * self.recess;
+        [position, self.deviation.hypot(self.recess / 12.0_f64.sqrt())]
+    }
 }
 
 /// What tells where the body ends within a mask.
@@ -182,7 +196,13 @@ impl Parts {
                         rims_apart(camera, cylinder, position).is_some_and(|pixels| pixels >= SURPLUS.get());
                     let pixels = if apart { CAP_PIXELS } else { DEPTH_PIXELS };
                     let deviation = (SHARED_PART.get() * spread).max(pixels.get() * pixel);
-                    BodyEnd { position, deviation, sign: EndSign::Cap }
+                    let rims = rims.get_or_init(|| Rims::new(camera, mask, cylinder));
+                    let recess = rims
+                        .far(outward, DEPTH_ODDS.get(), noise)
+                        .map_or(0.0, |rim| (rim - position) * outward);
+                    let is_recessed = (LEAST_RECESS.get() * pixel..=SURPLUS.get() * pixel).contains(&recess);
+                    let recess = if is_recessed { recess } else { 0.0 };
+                    BodyEnd { position, deviation, sign: EndSign::Cap, recess }
                 }
                 None => leaving(inner, votes, beyond, outward, pixel),
             });
@@ -207,6 +227,7 @@ impl Parts {
                     position,
                     deviation: FAR_RIM_PIXELS.get() * pixel,
                     sign: EndSign::FarRim,
+                    recess: 0.0,
                 })
             };
             match of_depth {
@@ -232,7 +253,7 @@ impl Parts {
             if let Some(position) = position.filter(|_| position != before) {
                 let pixel = pixel_length(camera, cylinder, position)?;
                 let deviation = DEPTH_PIXELS.get() * pixel;
-                *end = Some(BodyEnd { position, deviation, sign: EndSign::Depth });
+                *end = Some(BodyEnd { position, deviation, sign: EndSign::Depth, recess: 0.0 });
             }
         }
         Some(Self { cylinder: *cylinder, reach, ends, collars })
@@ -354,6 +375,7 @@ fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: 
         position: f64::midpoint(inner.position, outer),
         deviation: gap.hypot(DEPTH_PIXELS.get() * pixel),
         sign: EndSign::Depth,
+        recess: 0.0,
     }
 }
 

@@ -57,7 +57,7 @@ pub(super) fn shoulder(
     let position = end.position - outward * (1.0 + BEFORE.get()) * length;
     let deviation = end.deviation.hypot(DEVIATION.get() * length);
     let least = (LEAST.get() * radius).max(SURPLUS.get() * pixel);
-    (length >= least).then_some(BodyEnd { position, deviation, sign: EndSign::Shoulder })
+    (length >= least).then_some(BodyEnd { position, deviation, sign: EndSign::Shoulder, recess: 0.0 })
 }
 
 #[cfg(test)]
@@ -80,7 +80,7 @@ mod tests {
         };
         let sights: Vec<Sight> = (0..1500).map(sight).collect();
         let leaves = sights.iter().find(|sight| sight.distance < -0.05).unwrap();
-        let end = BodyEnd { position: leaves.position, deviation: 0.01, sign: EndSign::Depth };
+        let end = BodyEnd { position: leaves.position, deviation: 0.01, sign: EndSign::Depth, recess: 0.0 };
         shoulder(&end, &sights, 1.0, [0.05, 0.01], 1.0)
     }
 
