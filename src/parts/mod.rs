@@ -256,6 +256,14 @@ impl Parts {
                 *end = Some(BodyEnd { position, deviation, sign: EndSign::Depth, recess: 0.0 });
             }
         }
+        // The far rim of a lid that is wider lies beyond that of the body.
+        for (k, end) in ends.iter_mut().enumerate() {
+            if let Some(end) = end
+                && collars.iter().any(|collar| collar.stretch[k].is_infinite())
+            {
+                end.recess = 0.0;
+            }
+        }
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 
