@@ -17,7 +17,6 @@ use crate::residuals::TUKEY_EFFICIENT;
 use crate::statistics::median_absolute;
 use nalgebra::Vector3;
 use std::cell::RefCell;
-use std::time::Instant;
 
 constants! {
     /// The points of a body contradict a cylinder that is so many squared standard deviations away: 3 of one number, for five.
@@ -54,12 +53,7 @@ pub(super) struct Body {
 impl Fitter {
     /// The body that a search finds among the points, a likely one with the most of them.
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
-    pub(super) fn likely_body(
-        &self,
-        view: &View,
-        run: &mut Run<'_>,
-        clock: &Instant,
-    ) -> Result<Option<Body>> {
+    pub(super) fn likely_body(&self, view: &View, run: &mut Run<'_>) -> Result<Option<Body>> {
         // Of very many a part tells where the body is.
         let chosen = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let points: List<[f64; 3]> = chosen.iter().map(|&k| view.cloud.point(k).into()).collect();
@@ -80,7 +74,7 @@ impl Fitter {
             for (detection, label) in seen.cylinders.iter().zip(1..).take(MOST_OF_LOOK) {
                 let numbered = seen.labels.iter().zip(0..).filter(|(of, _)| **of == label);
                 let region = numbered.map(|(_, k)| chosen[looks.given(looks.in_all(k))]).collect();
-                let body = self.body_of(view, region, (detection, whole), run, clock)?;
+                let body = self.body_of(view, region, (detection, whole), run)?;
                 let is_better = |body: &Body| best.as_ref().is_none_or(|best| worth(body) > worth(best));
                 if body.as_ref().is_some_and(is_better) {
                     best = body;
@@ -102,29 +96,28 @@ impl Fitter {
         mut region: List<usize>,
         (detection, whole): (&Detection, bool),
         run: &mut Run<'_>,
-        clock: &Instant,
     ) -> Result<Option<Body>> {
         let point_of = |&k: &usize| view.cloud.point(k);
         let fit = |region: &[usize], cylinder: &Cylinder, run: &mut Run<'_>| {
-            unless_cancelled(self.fit_of_points(view, region, Some(cylinder), run, clock)).map(Result::ok)
+            unless_cancelled(self.fit_of_points(view, region, Some(cylinder), run)).map(Result::ok)
         };
         let Some(mut fitted) = fit(&region, &detection.cylinder, run)? else { return Ok(None) };
         let into_view = view.pose().inverse();
         if !whole {
-            let cylinder = into_view.cylinder(&fitted.1.cylinder);
+            let cylinder = into_view.cylinder(&fitted.result.cylinder);
             let reach = reach_of(&cylinder, region.iter().map(point_of));
             let all = (0..).zip(view.cloud.points());
             let grown = grown(&cylinder, reach, region.iter().map(point_of), all);
             let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
             let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
             // What else lies near the surface draws the fit away.
-            if let Some(again) = again.filter(|again| !contradict(&fitted.1, &again.1)) {
+            if let Some(again) = again.filter(|again| !contradict(&fitted.result, &again.result)) {
                 (region, fitted) = (grown, again);
             }
         }
-        let cylinder = into_view.cylinder(&fitted.1.cylinder);
-        let is_one =
-            !fitted.1.flags.contains(Flags::POOR_FIT) && is_round(&cylinder, region.iter().map(point_of));
+        let cylinder = into_view.cylinder(&fitted.result.cylinder);
+        let is_one = !fitted.result.flags.contains(Flags::POOR_FIT)
+            && is_round(&cylinder, region.iter().map(point_of));
         Ok(is_one.then_some(Body { fit: fitted, points: region, score: detection.score, plane: None }))
     }
 
@@ -135,18 +128,17 @@ impl Fitter {
         view: &View,
         first: &Fitted,
         run: &mut Run<'_>,
-        clock: &Instant,
     ) -> Result<Option<Body>> {
         let some = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(k)).collect();
-        let Some(plane) = PlaneBeside::among(&some, first.1.point_scale) else { return Ok(None) };
+        let Some(plane) = PlaneBeside::among(&some, first.result.point_scale) else { return Ok(None) };
         let points: List<usize> =
             (0..view.cloud.len()).filter(|&k| !plane.holds(&view.cloud.point(k))).collect();
         if points.len() < FEWEST {
             return Ok(None);
         }
-        let fit = unless_cancelled(self.fit_of_points(view, &points, None, run, clock))?;
-        let is_told = |fit: &Fitted| !fit.1.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS);
+        let fit = unless_cancelled(self.fit_of_points(view, &points, None, run))?;
+        let is_told = |fit: &Fitted| !fit.result.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS);
         let body = |fit| Body { fit, points, score: 1.0, plane: Some(plane) };
         Ok(fit.ok().filter(is_told).map(body))
     }
@@ -159,7 +151,6 @@ impl Fitter {
         points: &[usize],
         cylinder: Option<&Cylinder>,
         run: &mut Run<'_>,
-        clock: &Instant,
     ) -> Result<Fitted> {
         let mut body = view.with_points(view.cloud.listed(points), None);
         body.is_body = true;
@@ -170,8 +161,9 @@ impl Fitter {
             views: vec![body.clone()],
             ..Self::default()
         };
-        let (made_with, result, last) = fitter.fit_views(List::new(), run, clock)?;
-        Ok((MadeWith { bodies: std::iter::once(Some(body)).collect(), ..made_with }, result, last))
+        let fit = fitter.fit_views(List::new(), run)?;
+        let made_with = MadeWith { bodies: std::iter::once(Some(body)).collect(), ..fit.made_with };
+        Ok(Fitted { made_with, ..fit })
     }
 }
 
@@ -183,7 +175,7 @@ pub(super) struct On<'a> {
 }
 
 impl<'a> On<'a> {
-    pub fn new(view: &'a View, (_, fit, _): &Fitted) -> Self {
+    pub fn new(view: &'a View, fit: &FitResult) -> Self {
         let cylinder = view.pose().inverse().cylinder(&fit.cylinder);
         Self { view, cylinder, reach: TUKEY_EFFICIENT * fit.point_scale }
     }
@@ -215,10 +207,11 @@ impl Body {
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub fn contradicts(&self, first: &Fitted, view: &View) -> bool {
         let into_view = view.pose().inverse();
-        let [first_cylinder, cylinder] = [&first.1, &self.fit.1].map(|fit| into_view.cylinder(&fit.cylinder));
+        let [first_cylinder, cylinder] =
+            [&first.result, &self.fit.result].map(|fit| into_view.cylinder(&fit.cylinder));
         let scatter =
             |of: &Cylinder| median_absolute(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
-        if !contradict(&self.fit.1, &first.1)
+        if !contradict(&self.fit.result, &first.result)
             || scatter(&first_cylinder) <= FARTHER.get() * scatter(&cylinder)
         {
             return false;
@@ -231,7 +224,7 @@ impl Body {
         let plane = self.plane.filter(is_plane);
         let mut beyond = List::filled(true, view.cloud.len());
         self.points.iter().for_each(|&k| beyond[k] = false);
-        let reach = TUKEY_EFFICIENT * self.fit.1.point_scale;
+        let reach = TUKEY_EFFICIENT * self.fit.result.point_scale;
         // All points near the first cylinder; those beyond the body, that are near it, that lie on the first cylinder.
         let [mut all, mut of_first, mut others, mut of_body, mut on_first] = [0.0; 5];
         for (k, point) in view.cloud.points().enumerate() {

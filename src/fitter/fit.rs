@@ -41,8 +41,8 @@ pub(super) struct Fit {
     pub scales: Option<Scales>,
 }
 
-/// Fits by the method of the options. `started` is called when a start has been found.
-pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut()) -> Result<Fit> {
+/// Fits by the method of the options. `started` is called with the seconds until a start was found.
+pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut(f64)) -> Result<Fit> {
     let views_of_subsample = data.views_of_subsample();
     let subsample = views_of_subsample.as_ref().map(|views| data.of_subsample(views));
     let subsample = subsample.as_ref().unwrap_or(data);
@@ -54,11 +54,11 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
         Method::Ransac => without_iteration(data, StartKind::Ransac, data.ransac(run)?),
         Method::Fused | Method::Points if !data.is_robust() => {
             let candidates = subsample.candidates(run)?;
-            started();
+            started(run.seconds());
             paper(data, subsample, &candidates, run)
         }
         Method::Fused | Method::Points => {
-            started();
+            started(run.seconds());
             let (start, located) = match continued::locate(subsample, run)? {
                 Some(continued) if subsample.count() == data.count() => {
                     return Ok(ended(continued.0, continued.1));
@@ -66,7 +66,7 @@ pub(super) fn fit(data: &Data<'_>, run: &mut Run<'_>, mut started: impl FnMut())
                 Some(continued) => continued,
                 None => {
                     let candidates = subsample.candidates(run)?;
-                    started();
+                    started(run.seconds());
                     robust(subsample, &candidates, run)?
                 }
             };

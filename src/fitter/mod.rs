@@ -1,10 +1,11 @@
 //! The fitter: takes observations, finds a start, minimises, and says how far to trust the result.
 //!
 //! [`Fitter`] holds what was pushed, by view. A fit reads it as immutable `Data` and runs through stages, each a function
-//! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom.
+//! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom, `attempts.rs` the fits of a call.
 
 mod among_points;
 mod arcs;
+mod attempts;
 mod background;
 mod batch;
 mod body;
@@ -71,7 +72,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
     [continued::CONSTANTS, among_points::CONSTANTS, plane_beside::CONSTANTS, points_alone::CONSTANTS].concat()
 }
 
-use crate::error::{Error, Result, cancelled_if, unless_cancelled};
+use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 #[cfg(doc)]
 use crate::geometry::LimbFrame;
@@ -81,7 +82,6 @@ use continued::Last;
 use data::Data;
 use run::Run;
 use std::ops::ControlFlow;
-use std::time::Instant;
 
 /// Bytes a point for which a fit has room at the same time, beside the points: coordinates, normals and distances for
 /// random samples, or positions, cells and residuals for the correlation.
@@ -100,7 +100,7 @@ const ALWAYS_THERE: usize = 4 << 20;
 /// follows is about; options, start model, fit and result are about all.
 ///
 /// A fitter keeps the memory of its calls for the next ones, 2 to 4 MB after a fit of an image of 640 × 480 pixels, and
-/// frees it when it is dropped: a call like the ones before asks for none.
+/// frees it when it is dropped: a call like the ones before asks for none, but for a search of points alone.
 #[derive(Debug, Clone)]
 pub struct Fitter {
     options: Options,
@@ -125,8 +125,14 @@ struct MadeWith {
     bodies: List<Option<View>>,
 }
 
-/// What a fit was made with, its result, and what the next one may go on from.
-type Fitted = (MadeWith, FitResult, Last);
+/// A fit that was made.
+#[derive(Debug, Clone)]
+struct Fitted {
+    made_with: MadeWith,
+    result: FitResult,
+    /// What the next one may go on from.
+    last: Last,
+}
 
 impl Default for Fitter {
     fn default() -> Self {
@@ -241,65 +247,6 @@ impl Fitter {
         result
     }
 
-    fn fit_in_memory(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
-        let clock = Instant::now();
-        self.check_memory(BYTES_OF_FIT)?;
-        let ends_with_depth = self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth);
-        let fit = match self.fit_by_outline(run, &clock)? {
-            None if ends_with_depth => {
-                let first = self.fit_views(List::new(), run, &clock)?;
-                self.fit_to_drawn(first, &[], run, &clock)?
-            }
-            None => {
-                let first = unless_cancelled(self.fit_views(List::new(), run, &clock))?;
-                self.fit_to_body(first, run, &clock)?
-            }
-            Some(fit) => fit,
-        };
-        let (made_with, mut result, last) = fit;
-        result.flags.set(Flags::MASK_ENDS_WITH_DEPTH, ends_with_depth);
-        result.seconds.total = clock.elapsed().as_secs_f64();
-        self.made_with = Some(made_with);
-        self.result = Some(result);
-        self.last = Some(last);
-        Ok(result)
-    }
-
-    /// The fit of the views, of which those without a mask have that of their points. `None` where there are none, and where the fit is poor,
-    /// as the points may be anything, or locates no limb: then their outline alone would tell the radius.
-    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
-    fn fit_by_outline(&self, run: &mut Run<'_>, clock: &Instant) -> Result<Option<Fitted>> {
-        let masked = self.with_masks_of_points();
-        if masked.is_empty() {
-            return Ok(None);
-        }
-        let is_good = |fit: &Fitted| fit.1.limbs_located > 0 && !fit.1.flags.contains(Flags::POOR_FIT);
-        let first = unless_cancelled(self.fit_views(masked.clone(), run, clock))?;
-        let Some(first) = first.ok().filter(is_good) else { return Ok(None) };
-        Ok(Some(self.fit_to_drawn(first, &masked, run, clock)?).filter(is_good))
-    }
-
-    /// The fits after a first one, to sides that are drawn about the one before; `masked` are views with a mask of their points.
-    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
-    fn fit_to_drawn(
-        &self,
-        mut fit: Fitted,
-        masked: &[Option<View>],
-        run: &mut Run<'_>,
-        clock: &Instant,
-    ) -> Result<Fitted> {
-        for factor in outline::RADII {
-            run.check()?;
-            let drawn = self.drawn_again(masked, &fit.1.cylinder, factor);
-            if drawn.iter().all(Option::is_none) {
-                break;
-            }
-            let Ok(again) = unless_cancelled(self.fit_views(drawn, run, clock))? else { break };
-            fit = again;
-        }
-        Ok(fit)
-    }
-
     /// Frees the memory that the next call would use again, where none is to come soon.
     pub(crate) fn free_memory(&mut self) {
         self.memory = Memory::default();
@@ -320,79 +267,9 @@ impl Fitter {
         Err(Error::OutOfMemory { what: "the lists over the points", bytes })
     }
 
-    /// A fit of the views, of which some are `drawn` again.
-    fn fit_views(&self, drawn: List<Option<View>>, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
-        let seconds = || clock.elapsed().as_secs_f64();
-        let began = seconds();
-        let separated = self.separated(drawn, run)?;
-        let known: List<_> = separated.iter().map(|view| (view.of_limbs, view.whole)).collect();
-        run.check()?;
-        let bodies: List<_> = separated.into_iter().map(|view| view.body).collect();
-        let mut data = self.data_of(&bodies)?;
-        data.last = self.continued();
-        for view in &mut data.views {
-            if let Some(&(of_limbs, whole)) = known.get(view.index) {
-                (view.of_limbs, view.whole) = (of_limbs, whole && data.last.is_some());
-            }
-        }
-        cancelled_if(run.report_again().is_break())?;
-        let mut started = began;
-        let fit = fit::fit(&data, run, || started = seconds())?;
-        let ended = seconds();
-        // Of very many points a description takes as long as several steps.
-        run.check()?;
-        let mut result =
-            describe::describe(&data, &fit.constraints, &fit.start, &fit.cylinder, fit.scales.as_ref())?;
-        if let Some(convergence) = &fit.convergence {
-            result.add_convergence(convergence);
-            result.seconds.start = started - began;
-            result.seconds.solve = ended - started;
-        }
-        let last = Last::new(&fit);
-        Ok((MadeWith { constraints: fit.constraints, bodies }, result, last))
-    }
-
     /// What the last fit left, where the next one is to go on from it.
     fn continued(&self) -> Option<&Last> {
         self.last.as_ref().filter(|_| self.options.start == StartKind::Last)
-    }
-
-    /// By view: the view with its points as a mask, where it has none. Empty where no view has to be changed, and for the other
-    /// objectives, which take the views as they are.
-    fn with_masks_of_points(&self) -> List<Option<View>> {
-        if !self.options.is_robust() {
-            return List::new();
-        }
-        let masked: List<_> = self.views.iter().map(View::with_mask_of_points).collect();
-        if masked.iter().any(Option::is_some) { masked } else { List::new() }
-    }
-
-    /// By view: the view with the sides of its mask drawn again about a cylinder, where the mask ends with the depth.
-    fn drawn_again(&self, masked: &[Option<View>], cylinder: &Cylinder, factor: f64) -> List<Option<View>> {
-        let again = |view: &View| {
-            let needed = view.image().is_some() && view.mask_ends_with_depth();
-            let seen = view.pose().inverse().cylinder(cylinder);
-            needed.then(|| view.with_sides_of(&seen, factor)).flatten()
-        };
-        self.views_or(masked).map(again).collect()
-    }
-
-    /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
-    /// its mask holds more, the view that was drawn again, or the one without points that are far from all others.
-    fn separated(&self, drawn: List<Option<View>>, run: &mut Run<'_>) -> Result<List<body::Separated>> {
-        // The other objectives take the mask as it is.
-        if !self.options.is_robust() {
-            return Ok(List::new());
-        }
-        let start = self.continued().map(|last| &last.cylinder).or(self.start.as_ref());
-        let mut drawn = drawn.into_iter();
-        let body = |view: &View| {
-            run.check()?;
-            let drawn = drawn.next().flatten().or_else(|| view.without_far_points());
-            let separated = body::separate(drawn.as_ref().unwrap_or(view), &self.options, start, run)?;
-            Ok(body::Separated { body: separated.body.or(drawn), ..separated })
-        };
-        self.views.iter().map(body).collect()
     }
 
     /// A view as the last fit took it.

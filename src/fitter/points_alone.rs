@@ -12,7 +12,6 @@ use crate::error::{Error, Result, unless_cancelled};
 use crate::memory::List;
 use crate::observations::{ENOUGH_POINTS_TO_FIT, spread};
 use nalgebra::Vector3;
-use std::time::Instant;
 
 /// Most fits without points that lie on the cylinder before by chance.
 const ROUNDS_OF_SURFACE: usize = 5;
@@ -34,12 +33,7 @@ const LEAST_ON: f64 = 0.25;
 impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them, or where that failed.
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
-    pub(super) fn fit_to_body(
-        &self,
-        first: Result<Fitted>,
-        run: &mut Run<'_>,
-        clock: &Instant,
-    ) -> Result<Fitted> {
+    pub(super) fn fit_to_body(&self, first: Result<Fitted>, run: &mut Run<'_>) -> Result<Fitted> {
         // Masks and detectors have told the background.
         let tells = |view: &View| view.mask.is_some() || view.is_body;
         let is_told = !self.options.is_robust() || self.views.iter().any(tells);
@@ -52,18 +46,18 @@ impl Fitter {
             (Ok(first), _) => first,
             // Two bodies may be explained best by something flat.
             (Err(error @ Error::PlanarPoints { .. }), Some(view)) if view.segments.is_empty() => {
-                return self.fit_among_surfaces(view, None, run, clock)?.ok_or(error);
+                return self.fit_among_surfaces(view, None, run)?.ok_or(error);
             }
             (Err(error), _) => return Err(error),
         };
-        if is_told || first.0.constraints.has_lines() || first.1.points_used < FEWEST {
+        if is_told || first.made_with.constraints.has_lines() || first.result.points_used < FEWEST {
             return Ok(first);
         }
         match searched {
             Some(view) if may_hold_more(view, &first) => {
-                Ok(self.fit_among_surfaces(view, Some(&first), run, clock)?.unwrap_or(first))
+                Ok(self.fit_among_surfaces(view, Some(&first), run)?.unwrap_or(first))
             }
-            _ => self.fit_to_surface(first, run, clock),
+            _ => self.fit_to_surface(first, run),
         }
     }
 
@@ -74,13 +68,12 @@ impl Fitter {
         view: &View,
         first: Option<&Fitted>,
         run: &mut Run<'_>,
-        clock: &Instant,
     ) -> Result<Option<Fitted>> {
         let is_meant =
             |body: &Body| first.map_or_else(|| body.is_likely(), |first| body.contradicts(first, view));
-        let mut body = self.likely_body(view, run, clock)?.filter(is_meant);
+        let mut body = self.likely_body(view, run)?.filter(is_meant);
         if let (None, Some(first)) = (&body, first) {
-            body = self.body_beside_plane(view, first, run, clock)?.filter(is_meant);
+            body = self.body_beside_plane(view, first, run)?.filter(is_meant);
         }
         let is_found = body.is_some();
         let (fit, points) = match (body, first) {
@@ -88,12 +81,12 @@ impl Fitter {
             (None, Some(first)) => (first.clone(), (0..view.cloud.len()).collect()),
             (None, None) => return Ok(None),
         };
-        let (mut fit, mut points, planes) = self.fit_off_planes(view, (fit, points), run, clock)?;
+        let (mut fit, mut points, planes) = self.fit_off_planes(view, (fit, points), run)?;
         let is_chosen = is_found || points.len() < view.cloud.len();
         if !is_found {
-            fit = self.fit_to_surface(fit, run, clock)?;
+            fit = self.fit_to_surface(fit, run)?;
         }
-        let on = On::new(view, &fit);
+        let on = On::new(view, &fit.result);
         points.retain(|&k| on.holds(k));
         let is_on_plane = |&k: &usize| planes.iter().any(|plane| plane.holds(&view.cloud.point(k)));
         let on_planes = weight(view, (0..view.cloud.len()).filter(is_on_plane));
@@ -103,9 +96,9 @@ impl Fitter {
         let some = spread(points.len(), ENOUGH_POINTS_TO_FIT);
         let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(points[k])).collect();
         // A part of a cylinder is nowhere flatter than round.
-        let has_side = PlaneBeside::among(&some, FLATTER.get() * fit.1.point_scale).is_some();
+        let has_side = PlaneBeside::among(&some, FLATTER.get() * fit.result.point_scale).is_some();
         if is_little || has_side {
-            fit.1.flags |= Flags::POOR_FIT;
+            fit.result.flags |= Flags::POOR_FIT;
         }
         Ok(Some(fit))
     }
@@ -118,17 +111,16 @@ impl Fitter {
         view: &View,
         fit: (Fitted, List<usize>),
         run: &mut Run<'_>,
-        clock: &Instant,
     ) -> Result<(Fitted, List<usize>, List<PlaneBeside>)> {
-        let in_view = |fit: &Fitted| view.pose().inverse().cylinder(&fit.1.cylinder);
+        let in_view = |fit: &Fitted| view.pose().inverse().cylinder(&fit.result.cylinder);
         let some = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let refit = |before: &Fitted, rest: &[usize]| {
-            let again = self.fit_of_points(view, rest, Some(&in_view(before)), run, clock);
-            Ok(unless_cancelled(again)?.ok().filter(|again| is_as_good(&before.1, &again.1)))
+            let again = self.fit_of_points(view, rest, Some(&in_view(before)), run);
+            Ok(unless_cancelled(again)?.ok().filter(|again| is_as_good(&before.result, &again.result)))
         };
         off_planes(
             fit,
-            |fit| (in_view(fit), fit.1.point_scale),
+            |fit| (in_view(fit), fit.result.point_scale),
             |k| view.cloud.point(k),
             |_| some.iter().map(|&k| view.cloud.point(k)).collect(),
             refit,
@@ -137,17 +129,19 @@ impl Fitter {
 
     /// The fits after a first one without points that lie on the cylinder before by chance.
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
-    fn fit_to_surface(&self, mut fit: Fitted, run: &mut Run<'_>, clock: &Instant) -> Result<Fitted> {
-        let bodies = fit.0.bodies.clone();
+    fn fit_to_surface(&self, mut fit: Fitted, run: &mut Run<'_>) -> Result<Fitted> {
+        let bodies = fit.made_with.bodies.clone();
         let views = self.views_or(&bodies);
         let mut before = None;
         for _ in 0..ROUNDS_OF_SURFACE {
             run.check()?;
-            let surface = Surface::about(&views, &fit.1.cylinder, fit.1.point_scale);
+            let surface = Surface::about(&views, &fit.result.cylinder, fit.result.point_scale);
             let Some(surface) = surface.filter(|surface| before != Some(surface.holds)) else { break };
             let drawn = views.clone().map(|view| Some(surface.of(view))).collect();
-            let again = unless_cancelled(self.fit_views(drawn, run, clock))?;
-            let Some(again) = again.ok().filter(|again| is_as_good(&fit.1, &again.1)) else { break };
+            let again = unless_cancelled(self.fit_views(drawn, run))?;
+            let Some(again) = again.ok().filter(|again| is_as_good(&fit.result, &again.result)) else {
+                break;
+            };
             (fit, before) = (again, Some(surface.holds));
         }
         Ok(fit)
@@ -162,12 +156,12 @@ pub(crate) fn is_as_good(before: &FitResult, again: &FitResult) -> bool {
 
 /// Whether points may lie on more than one surface, by a first fit to them.
 fn may_hold_more(view: &View, fit: &Fitted) -> bool {
-    if fit.1.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS)
-        || fit.1.point_scale > WIDE.get() * fit.1.cylinder.radius
+    if fit.result.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS)
+        || fit.result.point_scale > WIDE.get() * fit.result.cylinder.radius
     {
         return true;
     }
-    let (some, on) = (spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT), On::new(view, fit));
+    let (some, on) = (spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT), On::new(view, &fit.result));
     some.iter().filter(|&&k| !on.holds(k)).count() as f64 > ELSEWHERE.get() * some.len() as f64
 }
 
@@ -258,7 +252,7 @@ mod tests {
         let clouds = (0..60).map(|seed| [arc(seed, 60.0), beside(seed, "second", 60.0)].concat());
         let first = |points: &[[f64; 3]]| {
             let run = &mut |_: &_| ControlFlow::Continue(());
-            of(points).fit_views(List::new(), &mut Run::new(run), &Instant::now())
+            of(points).fit_views(List::new(), &mut Run::new(run))
         };
         let is_flat = |points: &Vec<_>| matches!(first(points), Err(Error::PlanarPoints { .. }));
         let mut flat = clouds.filter(is_flat).peekable();

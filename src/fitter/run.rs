@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::geometry::Cylinder;
 use crate::solver::Iteration;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 /// Solves of one fit after which a minimum gets no more than ordinary ones need. The hardest frames, whose minima are
 /// flat, take two thirds as many; without the limit a hundred guides that contradict the points would each be followed to
@@ -34,11 +35,20 @@ pub(super) struct Run<'a> {
     last: Iteration,
     /// How many linear solves there were.
     pub solves: usize,
+    /// When the call began.
+    began: Instant,
 }
 
 impl<'a> Run<'a> {
     pub fn new(report: &'a mut dyn FnMut(&Iteration) -> ControlFlow<()>) -> Self {
-        Self { report, poll_cancel: None, known: None, last: Iteration::before_start(), solves: 0 }
+        Self {
+            report,
+            poll_cancel: None,
+            known: None,
+            last: Iteration::before_start(),
+            solves: 0,
+            began: Instant::now(),
+        }
     }
 
     /// The same for a caller who takes the reports for a measure of the work, and is asked by `poll_cancel` where there is nothing to
@@ -49,6 +59,11 @@ impl<'a> Run<'a> {
         known: &'a mut Vec<Cylinder>,
     ) -> Self {
         Self { poll_cancel: Some(poll_cancel), known: Some(known), ..Self::new(report) }
+    }
+
+    /// Wall-clock seconds since the call began.
+    pub fn seconds(&self) -> f64 {
+        self.began.elapsed().as_secs_f64()
     }
 
     /// Whether the first fit is that from another start, from which all else would follow as it did there. It is known from
