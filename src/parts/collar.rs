@@ -118,13 +118,11 @@ pub(super) fn collars(
         let sides: List<Profile> = sides.iter().flatten().map(|side| side.clone().negated()).collect();
         let of_sides = step_of_sides(&sides, &slices, &lowered, moved);
         if step.ratio() >= DEPTH_RATIO.get() && is_confirmed(step, of_sides, true) {
-            let mut ends = ends;
             let [begin, end] = slices.along(&lowered, 0);
-            ends[if begin.is_infinite() { 0 } else { 1 }] =
-                Some(if begin.is_infinite() { end } else { begin });
-            return Some(
-                collars(camera, mask, (sights, apart), cylinder, ends).unwrap_or((List::new(), ends)),
-            );
+            let at_start = begin.is_infinite();
+            let ends = if at_start { [Some(end), high] } else { [low, Some(begin)] };
+            let of_body = collars(camera, mask, (sights, apart), cylinder, ends);
+            return of_body.or_else(|| Some((List::new(), ends)));
         }
     }
     let found = stretches.iter().enumerate().filter_map(|(k, stretch)| {

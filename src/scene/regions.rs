@@ -5,7 +5,7 @@ use super::labels::indices_of;
 use super::results::Found;
 use super::work::WorkBudget;
 use crate::detection::{Band, Detection, Looks, grown, is_round, reach_of, with_odds_divided};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Flags, contradict, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
 use crate::memory::apart;
@@ -218,8 +218,9 @@ impl Fits<'_> {
                 return Ok(None);
             }
             let seen = Detection { cylinder: before.1.cylinder, pixels: rest.len(), ..*detection };
-            let again = self.of_region(points, looks, rest, &seen, budget)?;
-            Ok((is_as_good(&before.1, &again.1) && contradict(&before.1, &again.1)).then_some(again))
+            let again = unless_cancelled(self.of_region(points, looks, rest, &seen, budget))?.ok();
+            let is_better = |again: &Fit| is_as_good(&before.1, &again.1) && contradict(&before.1, &again.1);
+            Ok(again.filter(is_better))
         };
         let own = apart(|| region.iter().copied().collect());
         let (fit, left, _) = off_planes((fit, own), surface, |k| looks.point(k), around, refit)?;
