@@ -184,6 +184,13 @@ impl Scene {
         self.fitter_within(&self.pixels(|part, _| u8::from(part.is_some_and(&wanted))), depth)
     }
 
+    /// A fitter with the depth of the whole object, with noise of half a millimetre.
+    fn noisy_fitter(&self, seed: u64) -> Fitter {
+        let mut noise = Noise::new(seed);
+        let depth = self.pixels(|_, depth| depth as f32 + 5e-4 * noise.normal() as f32);
+        self.fitter_with(|_| true, &depth)
+    }
+
     /// A fitter with this mask and this depth.
     fn fitter_within(&self, mask: &[u8], depth: &[f32]) -> Fitter {
         let mut fitter = Fitter::new();
@@ -271,9 +278,7 @@ fn a_body_ends_at_the_rim_of_a_recessed_lid() {
     for direction in [Vector3::new(0.1, -0.86, -0.5), Vector3::new(-0.2, -0.9, -0.4)] {
         for seed in 0..5 {
             let scene = Scene::with_axis(Top::Recessed, direction);
-            let mut noise = Noise::new(seed);
-            let depth = scene.pixels(|_, depth| depth as f32 + 5e-4 * noise.normal() as f32);
-            let mut fitter = scene.fitter_with(|_| true, &depth);
+            let mut fitter = scene.noisy_fitter(seed);
             fitter.fit().unwrap();
             let extent = fitter.extent(None, None).unwrap();
             let off = (extent.length - 2.0 * HALF_LENGTH).abs();
@@ -289,9 +294,7 @@ fn a_body_ends_where_a_narrower_cap_begins() {
     for direction in [Vector3::new(0.1, -0.97, -0.1), Vector3::new(-0.2, -0.97, -0.15)] {
         for seed in 0..5 {
             let scene = Scene::with_axis(Top::Narrower, direction);
-            let mut noise = Noise::new(seed);
-            let depth = scene.pixels(|_, depth| depth as f32 + 5e-4 * noise.normal() as f32);
-            let mut fitter = scene.fitter_with(|_| true, &depth);
+            let mut fitter = scene.noisy_fitter(seed);
             let difference = scene.cylinder.compare(&fitter.fit().unwrap().cylinder);
             assert!(difference.angle < 0.005, "{}", difference.angle);
             assert!(difference.radius_relative.abs() < 0.02, "{}", difference.radius_relative);
@@ -304,10 +307,7 @@ fn a_body_ends_where_a_narrower_cap_begins() {
 /// A fit to a body with something wider on it: axis and radius are those of the body, within an angle and a part, and what is wider is told.
 fn check_body_within(top: Top, direction: Vector3<f64>, most: [f64; 2]) {
     let scene = Scene::with_axis(top, direction);
-    let mut noise = Noise::new(1);
-    let depth = scene.pixels(|_, depth| depth as f32);
-    let depth: Vec<f32> = depth.into_iter().map(|depth| depth + 5e-4 * noise.normal() as f32).collect();
-    let mut fitter = scene.fitter_with(|_| true, &depth);
+    let mut fitter = scene.noisy_fitter(1);
     let fit = fitter.fit().unwrap();
     assert!(!fit.flags.contains(Flags::MASK_DISAGREES));
     let difference = scene.cylinder.compare(&fit.cylinder);

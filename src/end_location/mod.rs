@@ -204,7 +204,7 @@ pub fn locate_ends(
     let whole = search.mask;
     let search = &EndSearch { mask: body.as_ref().unwrap_or(whole), ..*search };
     let (told, collars) = parts.map_or_else(Default::default, |parts| (parts.ends, parts.collars));
-    let collared = [0, 1].map(|end| collars.iter().any(|collar| collar.stretch[end].is_infinite()));
+    let collared = [0, 1].map(|end| collars.iter().any(|collar| collar.closes(end)));
     // Generators are only followed between the extremes, so that they need not be exact.
     let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
     let Some(extremes) = extremes else { return extreme_ends(search) };

@@ -17,7 +17,7 @@ use crate::error::positive;
 use crate::extent::{Extent, ExtentUncertainty};
 use crate::fitter::Fitter;
 use crate::geometry::Cylinder;
-use crate::observations::{LARGEST_INTEGER, MaskView, Pixels, Scalar};
+use crate::observations::{LARGEST_STORED_DEPTH, MaskView, Pixels, Scalar};
 use nalgebra::{Matrix3, Vector3};
 
 const CALL: &str = "completing the points";
@@ -267,7 +267,7 @@ fn stored_depth(format: Pixels, value: f64) -> f64 {
         Pixels::F32 => f64::from(value as f32),
     };
     let largest = match format {
-        Pixels::U16 => f64::from(LARGEST_INTEGER),
+        Pixels::U16 => f64::from(LARGEST_STORED_DEPTH),
         Pixels::F32 => f64::from(f32::MAX),
     };
     if stored <= largest { stored } else { 0.0 }

@@ -34,7 +34,7 @@ pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};
 pub use size::check_same_size;
 pub use strided::{Scalar, Strided};
-pub(crate) use views::LARGEST_INTEGER;
+pub(crate) use views::LARGEST_STORED_DEPTH;
 pub use views::{DepthView, ImageFormat, ImageView, MaskView, Pixels, PointsView, VectorsView};
 
 /// The column and the row of the pixel at a position; `None` left of the image or above it.

@@ -193,7 +193,7 @@ impl<'a> DepthView<'a> {
 }
 
 /// The largest depth that 16 bits hold: all of them set stand for what is farther.
-pub(crate) const LARGEST_INTEGER: u16 = u16::MAX - 1;
+pub(crate) const LARGEST_STORED_DEPTH: u16 = u16::MAX - 1;
 
 /// A depth that is stored as an integer, 0 where it is more than the largest.
 #[inline(always)]

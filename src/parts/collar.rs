@@ -61,6 +61,14 @@ pub struct Collar {
     pub radius: f64,
 }
 
+impl Collar {
+    /// Whether it closes an end: 0 the one against the axis, 1 the one along it.
+    #[must_use]
+    pub fn closes(&self, end: usize) -> bool {
+        self.stretch[end].is_infinite()
+    }
+}
+
 /// The collars of what is seen between the ends that are known, and these ends: where the body is followed by something narrower
 /// in line with it, such as the cap of a spray can, it ends there. Sights are so many pixels apart.
 pub(super) fn collars(
@@ -135,7 +143,7 @@ pub(super) fn collars(
             sides.iter().flatten().filter_map(|side| side.without(&stretches, Some(k), moved)).collect();
         let of_sides = step_of_sides(&sides, &slices, stretch, moved);
         let collar = Collar { stretch: slices.along(stretch, near), radius: radius + step.size };
-        let at_end = collar.stretch.iter().any(|position| position.is_infinite());
+        let at_end = [0, 1].iter().any(|end| collar.closes(*end));
         is_confirmed(step, of_sides, at_end).then_some(collar)
     });
     Some((found.collect(), ends))

@@ -197,9 +197,8 @@ impl Parts {
                     let pixels = if apart { CAP_PIXELS } else { DEPTH_PIXELS };
                     let deviation = (SHARED_PART.get() * spread).max(pixels.get() * pixel);
                     let rims = rims.get_or_init(|| Rims::new(camera, mask, cylinder));
-                    let recess = rims
-                        .far(outward, DEPTH_ODDS.get(), noise)
-                        .map_or(0.0, |rim| (rim - position) * outward);
+                    let far = rims.far(outward, DEPTH_ODDS.get(), noise);
+                    let recess = far.map_or(0.0, |far| (far - position) * outward);
                     let is_recessed = (LEAST_RECESS.get() * pixel..=SURPLUS.get() * pixel).contains(&recess);
                     let recess = if is_recessed { recess } else { 0.0 };
                     BodyEnd { position, deviation, sign: EndSign::Cap, recess }
@@ -248,22 +247,15 @@ impl Parts {
         let positions = ends.map(|end| Some(end?.position));
         let (collars, narrower) =
             collars(camera, mask, (&sights, stride), cylinder, positions).unwrap_or((List::new(), positions));
-        let mut ends = ends;
-        for ((end, before), position) in ends.iter_mut().zip(positions).zip(narrower) {
-            if let Some(position) = position.filter(|_| position != before) {
-                let pixel = pixel_length(camera, cylinder, position)?;
-                let deviation = DEPTH_PIXELS.get() * pixel;
-                *end = Some(BodyEnd { position, deviation, sign: EndSign::Depth, recess: 0.0 });
+        let ends = [0, 1].map(|k| match narrower[k] {
+            Some(position) if narrower[k] != positions[k] => {
+                let deviation = DEPTH_PIXELS.get() * pixel_length(camera, cylinder, position)?;
+                Some(BodyEnd { position, deviation, sign: EndSign::Depth, recess: 0.0 })
             }
-        }
-        // The far rim of a lid that is wider lies beyond that of the body.
-        for (k, end) in ends.iter_mut().enumerate() {
-            if let Some(end) = end
-                && collars.iter().any(|collar| collar.stretch[k].is_infinite())
-            {
-                end.recess = 0.0;
-            }
-        }
+            // The far rim of a lid that is wider lies beyond that of the body.
+            _ if collars.iter().any(|collar| collar.closes(k)) => Some(BodyEnd { recess: 0.0, ..ends[k]? }),
+            _ => ends[k],
+        });
         Some(Self { cylinder: *cylinder, reach, ends, collars })
     }
 

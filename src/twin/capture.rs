@@ -7,7 +7,7 @@ use super::sensors::DepthSensor;
 use super::shape::Part;
 use crate::camera::Camera;
 use crate::error::Result;
-use crate::observations::{DepthCamera, DepthRange, DepthView, Frame, LARGEST_INTEGER};
+use crate::observations::{DepthCamera, DepthRange, DepthView, Frame, LARGEST_STORED_DEPTH};
 use nalgebra::{Vector2, Vector3};
 
 /// Metres per unit of a depth image.
@@ -95,7 +95,7 @@ fn stored(depth: Vec<f32>) -> Vec<u16> {
     depth
         .into_iter()
         .map(unit)
-        .map(|z| if z > 0.0 && z <= f64::from(LARGEST_INTEGER) { z as u16 } else { 0 })
+        .map(|z| if z > 0.0 && z <= f64::from(LARGEST_STORED_DEPTH) { z as u16 } else { 0 })
         .collect()
 }
 
