@@ -33,6 +33,8 @@ enum Top {
     Lid,
     /// A ring about the body, and no lid.
     Ring,
+    /// Closed, with a flange about its foot.
+    Flange,
     /// Closed by a lid that lies lower than its rim, as that of a tin.
     Recessed,
     /// A cap in line with the body that is a little narrower, as that of a spray can.
@@ -50,6 +52,10 @@ const LID: f64 = 0.025;
 /// How much wider a ring is, and where it is along the axis.
 const RING_WIDER: f64 = 1.3;
 const RING: [f64; 2] = [-0.02, 0.0];
+
+/// How much wider a flange is, and how high.
+const FLANGE_WIDER: f64 = 1.4;
+const FLANGE: f64 = 0.02;
 
 /// How much narrower a cap is, and how high.
 const NARROWER: f64 = 0.92;
@@ -91,6 +97,9 @@ impl Scene {
         let axis = &self.cylinder.axis;
         if let Some(seen) = match self.top {
             Top::Lid => self.look_at_ring(&ray, LID_WIDER, [HALF_LENGTH - LID, HALF_LENGTH], Part::Cap),
+            Top::Flange => {
+                self.look_at_ring(&ray, FLANGE_WIDER, [-HALF_LENGTH, FLANGE - HALF_LENGTH], Part::Other)
+            }
             Top::Ring => self.look_at_ring(&ray, RING_WIDER, RING, Part::Other),
             Top::Narrower => self.look_at_ring(&ray, NARROWER, [HALF_LENGTH, HALF_LENGTH + CAP], Part::Cap),
             _ => None,
@@ -113,7 +122,7 @@ impl Scene {
         let lid = ray * (axis.at(HALF_LENGTH - RECESS).dot(&axis.direction) / ray.dot(&axis.direction));
         let bottom = ray * (axis.at(-HALF_LENGTH).dot(&axis.direction) / ray.dot(&axis.direction));
         match self.top {
-            Top::Closed | Top::Ring | Top::Narrower => (Some(Part::Cap), cap.z),
+            Top::Closed | Top::Ring | Top::Flange | Top::Narrower => (Some(Part::Cap), cap.z),
             Top::Dark => (Some(Part::Cap), 0.0),
             Top::Recessed => (Some(Part::Cap), far.z.min(lid.z)),
             Top::Open | Top::Neck | Top::Lid => (Some(Part::InnerWall), far.z.min(bottom.z)),
@@ -335,6 +344,21 @@ fn a_lid_that_is_wider_does_not_tilt_the_axis() {
 fn a_ring_that_is_wider_is_no_body() {
     for direction in [Vector3::new(0.1, -0.97, -0.1), Vector3::new(-0.2, -0.97, -0.15)] {
         check_body_within(Top::Ring, direction, [0.01, 0.03]);
+    }
+}
+
+/// The lower edge of the flange was looked for on the surface of the body, and found a flange farther down.
+#[test]
+fn a_body_ends_with_the_flange_that_closes_it() {
+    for direction in [Vector3::new(0.1, -0.86, -0.5), Vector3::new(-0.2, -0.9, -0.3)] {
+        for seed in 0..5 {
+            let scene = Scene::with_axis(Top::Flange, direction);
+            let mut fitter = scene.noisy_fitter(seed);
+            let difference = scene.cylinder.compare(&fitter.fit().unwrap().cylinder);
+            assert!(difference.angle < 0.01, "{}", difference.angle);
+            let length = fitter.extent(None, None).unwrap().length / (2.0 * HALF_LENGTH) - 1.0;
+            assert!(length.abs() < 0.03, "{length}");
+        }
     }
 }
 

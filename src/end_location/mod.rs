@@ -12,6 +12,7 @@
 
 mod arc;
 mod border;
+mod ending;
 mod points;
 mod silhouette;
 mod surface;
@@ -21,15 +22,15 @@ use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
-use crate::observations::{DepthImage, GreyImage, Mask, PointCloud, ReducedImage};
-use crate::parts::{self, BodyEnd, EndSign, Parts};
+use crate::observations::{DepthImage, GreyImage, Mask, PointCloud};
+use crate::parts::{self, Parts};
 use crate::statistics::{DEVIATION_OF_MEDIAN, median_absolute};
 pub use arc::ArcSample;
-use arc::{ArcEnd, ArcSearch};
-use nalgebra::{Vector2, Vector3};
+use ending::Ending;
+use nalgebra::Vector3;
 pub use points::ends_of_points;
 pub(crate) use silhouette::contains;
-use silhouette::{RoughEnd, Silhouette};
+use silhouette::Silhouette;
 use std::ops::ControlFlow;
 use surface::Surface;
 use surroundings::Surroundings;
@@ -204,39 +205,25 @@ pub fn locate_ends(
     let whole = search.mask;
     let search = &EndSearch { mask: body.as_ref().unwrap_or(whole), ..*search };
     let (told, collars) = parts.map_or_else(Default::default, |parts| (parts.ends, parts.collars));
-    let collared = [0, 1].map(|end| collars.iter().any(|collar| collar.closes(end)));
-    // Generators are only followed between the extremes, so that they need not be exact.
-    let extremes = extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high);
-    let Some(extremes) = extremes else { return extreme_ends(search) };
+    let Some(extremes) = rough_extremes(search, cylinder) else { return extreme_ends(search) };
     check()?;
-    let surroundings = surroundings(search, cylinder);
-    let silhouette = Silhouette::new(&surface, search.mask, extremes, search.noise, search.limbs_known);
-    let factor = search.noise.factor(search.blur, 1);
-    let camera = search.camera.reduced(factor);
-    let arcs = search.image.map(|image| ArcSearch {
-        image: ReducedImage::new(image, factor),
-        surface: Surface { camera: &camera, ..surface },
-        mask: search.mask,
-        noise: search.noise.reduced(factor),
-    });
-    let mut end = |outward: f64, told: Option<&BodyEnd>, last: Option<LastArc>| {
+    let silhouette = Silhouette::new(surface, search.mask, extremes, search.noise, search.limbs_known);
+    let body = Ending { search, whole, surroundings: surroundings(search, cylinder), silhouette };
+    let mut end = |k: usize| {
         check()?;
-        let arc = |rough: &RoughEnd| {
-            // What the mask goes on over beyond the body is the cap or the inner wall.
-            let inside = |pixel: &Vector2<f64>| {
-                told.is_some() && contains(whole, pixel)
-                    || search.content != MaskContent::Region
-                        && surroundings.shows_inside(pixel, rough.position, outward)
-            };
-            arcs.as_ref()?.locate(rough, outward, &inside, last)
-        };
-        ControlFlow::Continue(locate(&silhouette, &surroundings, &arc, told, outward))
+        let (told, last, outward) = (told[k].as_ref(), search.last[k], [-1.0, 1.0][k]);
+        // What closes the body ends in a wider circle.
+        let wider = collars.iter().find(|collar| collar.closes(k));
+        let wider = wider.map(|collar| Cylinder { radius: collar.radius, ..*cylinder });
+        let of_collar = wider.as_ref().and_then(|wider| {
+            let surface = Surface::new(search.camera, wider)?;
+            let silhouette = body.silhouette.wider(surface, rough_extremes(search, wider)?);
+            Some(Ending { surroundings: surroundings(search, wider), silhouette, ..body })
+        });
+        let end = of_collar.as_ref().unwrap_or(&body).locate(told, outward, last);
+        ControlFlow::Continue(End { rim: end.rim || wider.is_some(), ..end })
     };
-    let [first, second] = search.last;
-    let mut ends = [end(-1.0, told[0].as_ref(), first)?, end(1.0, told[1].as_ref(), second)?];
-    for (end, collared) in ends.iter_mut().zip(collared) {
-        end.rim |= collared;
-    }
+    let ends = [end(0)?, end(1)?];
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
     if ends[0].position < ends[1].position { ControlFlow::Continue(Some(ends)) } else { extreme_ends(search) }
 }
@@ -275,69 +262,7 @@ fn extremes(search: &EndSearch<'_>, cylinder: &Cylinder, stride: usize) -> Optio
     low.is_finite().then_some((low, high))
 }
 
-/// Locates the end on the side of `outward` (± 1, along the axis direction).
-fn locate(
-    silhouette: &Silhouette<'_>,
-    surroundings: &Surroundings<'_>,
-    arc: &dyn Fn(&RoughEnd) -> Option<ArcEnd>,
-    told: Option<&BodyEnd>,
-    outward: f64,
-) -> End {
-    let of_depth = told.and_then(|end| silhouette.of_depth(end, outward));
-    let rim = told.is_some();
-    let Some(rough) = of_depth.or_else(|| silhouette.end(surroundings, outward)) else {
-        return End { rim, ..extreme(silhouette.extreme(outward), outward, surroundings) };
-    };
-    let inside = rough.inside.then(|| surroundings.state_inside(rough.position, outward)).flatten();
-    let state = inside.unwrap_or_else(|| surroundings.state(rough.position, outward));
-    let cut = (state == EndState::Cut).then(|| border::last_inside(silhouette, outward)).flatten();
-    if let Some(position) = cut {
-        // The last pixel lies within a pixel of the border.
-        return End { rim, ..End::new(position, Some(rough.pixel), state, EndSource::Border) };
-    }
-    // A shoulder has no rim that an image could show.
-    let rounded = told.is_some_and(|end| end.sign == EndSign::Shoulder);
-    match (state != EndState::Hidden && !rounded).then(|| arc(&rough)).flatten() {
-        Some(arc) => {
-            let [position, deviation, part] = together(&rough, &arc);
-            let source = if part >= 0.5 { EndSource::Image } else { EndSource::Mask };
-            let [samples, far_rim] = arc.samples;
-            let arc = Some(LastArc { position: arc.position, blur: arc.blur });
-            End { rim, samples, far_rim, arc, ..End::new(position, Some(deviation), state, source) }
-        }
-        None => End { rim, ..End::new(rough.position, Some(rough.deviation), state, EndSource::Mask) },
-    }
-}
-
-/// The mean of an arc and the rough end by their variances, its standard deviation, and the part that the arc has in it.
-/// What the model of the arc leaves out is added afterwards: an arc that is good to a tenth of a pixel would otherwise be
-/// drawn to a mask that is drawn to half of one.
-fn together(rough: &RoughEnd, arc: &ArcEnd) -> [f64; 3] {
-    let [of_rough, of_arc] = [rough.deviation, arc.deviation].map(|deviation| deviation * deviation);
-    let part = of_rough / (of_rough + of_arc);
-    let position = rough.position + part * (arc.position - rough.position);
-    [position, (part * of_arc).sqrt().hypot(arc.model), part]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_arc_that_is_uncertain_gives_way_to_the_rough_end() {
-        let rough = RoughEnd { position: 0.1, deviation: 1e-3, pixel: 1e-3, inside: true };
-        let arc = |deviation: f64| ArcEnd {
-            position: 0.104,
-            deviation,
-            model: 3e-4,
-            samples: [List::new(), List::new()],
-            blur: 1.0,
-        };
-        let [position, deviation, part] = together(&rough, &arc(1e-4));
-        assert!((position - 0.104).abs() < 5e-5 && part > 0.98, "{position} {part}");
-        assert!((3e-4..3.3e-4).contains(&deviation), "{deviation}");
-        let [position, deviation, part] = together(&rough, &arc(2e-3));
-        assert!((position - 0.1008).abs() < 1e-6 && (part - 0.2).abs() < 1e-9, "{position} {part}");
-        assert!((9e-4..1e-3).contains(&deviation), "{deviation}");
-    }
+/// The extremes between which generators are followed, which need not be exact; `None` where there is no length.
+fn rough_extremes(search: &EndSearch<'_>, cylinder: &Cylinder) -> Option<(f64, f64)> {
+    extremes(search, cylinder, BOUNDS_STRIDE.count()).filter(|(low, high)| low < high)
 }

@@ -45,8 +45,9 @@ constants! {
 const BLOCK: usize = 16;
 
 /// The mask beside the model.
+#[derive(Clone, Copy)]
 pub(super) struct Silhouette<'a> {
-    surface: &'a Surface<'a>,
+    surface: Surface<'a>,
     mask: &'a Mask,
     extremes: (f64, f64),
     noise: ImageNoise,
@@ -69,7 +70,7 @@ pub(super) struct RoughEnd {
 
 impl<'a> Silhouette<'a> {
     pub fn new(
-        surface: &'a Surface<'a>,
+        surface: Surface<'a>,
         mask: &'a Mask,
         extremes: (f64, f64),
         noise: ImageNoise,
@@ -82,8 +83,13 @@ impl<'a> Silhouette<'a> {
         silhouette
     }
 
-    pub fn surface(&self) -> &'a Surface<'a> {
-        self.surface
+    /// The same mask about a wider surface, which does not show its bias.
+    pub fn wider(&self, surface: Surface<'a>, extremes: (f64, f64)) -> Self {
+        Self { surface, extremes, ..*self }
+    }
+
+    pub fn surface(&self) -> &Surface<'a> {
+        &self.surface
     }
 
     pub fn mask(&self) -> &'a Mask {

@@ -20,6 +20,7 @@ constants! {
 }
 
 /// What is looked at beyond an end.
+#[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     pub camera: &'a Camera,
     pub mask: &'a Mask,

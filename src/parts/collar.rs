@@ -134,7 +134,8 @@ pub(super) fn collars(
         }
     }
     let found = stretches.iter().enumerate().filter_map(|(k, stretch)| {
-        let step = depth.without(&stretches, Some(k), margin)?.step(stretch)?;
+        let depth = depth.without(&stretches, Some(k), margin)?;
+        let step = depth.step(stretch)?;
         if stretch.len() > longest || step.size < least[0] || step.ratio() < DEPTH_RATIO.get() {
             return None;
         }
@@ -142,7 +143,10 @@ pub(super) fn collars(
         let sides: List<Profile> =
             sides.iter().flatten().filter_map(|side| side.without(&stretches, Some(k), moved)).collect();
         let of_sides = step_of_sides(&sides, &slices, stretch, moved);
-        let collar = Collar { stretch: slices.along(stretch, near), radius: radius + step.size };
+        // Of a thin collar the depth shows the face more than the rim.
+        let of_rim = of_sides.map_or(0.0, |side| side.size);
+        let wider = of_rim.max(step.size + depth.upper_part(stretch, step));
+        let collar = Collar { stretch: slices.along(stretch, near), radius: radius + wider };
         let at_end = [0, 1].iter().any(|end| collar.closes(*end));
         is_confirmed(step, of_sides, at_end).then_some(collar)
     });

@@ -182,20 +182,25 @@ impl Profile {
             });
             profile.clearest(stretches, least)
         };
-        let mut stretches: List<Range<usize>> = List::new();
+        let (mut stretches, mut looked_at): (List<Range<usize>>, List<Range<usize>>) = Default::default();
         let mut rest = Some(self.clone());
         // The clearest first: what one leaves shows another.
-        while let Some(mut stretch) = rest.as_ref().and_then(clearest) {
-            // What is beside one belongs to it.
-            stretches.retain(|other| {
-                let apart = stretch.end + margin < other.start || other.end + margin < stretch.start;
-                if !apart {
-                    stretch = stretch.start.min(other.start)..stretch.end.max(other.end);
+        while let Some(stretch) = rest.as_ref().and_then(clearest) {
+            let beside = |other: &&mut Range<usize>| {
+                stretch.start <= other.end + margin && other.start <= stretch.end + margin
+            };
+            // What is beside one belongs to it where one step explains both: waves of the depth beside a flange are nothing.
+            match stretches.iter_mut().find(beside) {
+                Some(other) => {
+                    let both = stretch.start.min(other.start)..stretch.end.max(other.end);
+                    if self.explained(&both) >= self.explained(other) {
+                        *other = both;
+                    }
                 }
-                apart
-            });
-            stretches.push(stretch);
-            rest = self.without(&stretches, None, margin);
+                None => stretches.push(stretch.clone()),
+            }
+            looked_at.push(stretch);
+            rest = self.without(&looked_at, None, margin);
         }
         stretches
     }
@@ -242,18 +247,31 @@ impl Profile {
     /// The step of a stretch, with neighbours that are alike.
     pub(super) fn step(&self, stretch: &Range<usize>) -> Option<Step> {
         let mut step = self.rough_step(stretch)?;
-        let [n, _, _] = *self.sums.last()?;
+        let residuals: List<f64> = self.residuals(stretch, step.size).map(|(_, residual)| residual).collect();
+        step.deviation /= independent_part(&residuals).sqrt();
+        Some(step)
+    }
+
+    /// How far the upper quartile of a stretch is above its step: the face that leads up to the wide part of a collar is lower than it.
+    pub(super) fn upper_part(&self, stretch: &Range<usize>, step: Step) -> f64 {
+        let residuals = self.residuals(stretch, step.size).filter(|(slice, _)| stretch.contains(slice));
+        let mut inside: List<f64> = residuals.map(|(_, residual)| residual).collect();
+        let rank = inside.len().saturating_sub(1) * 3 / 4;
+        if inside.is_empty() { 0.0 } else { *inside.select_nth_unstable_by(rank, f64::total_cmp).1 }
+    }
+
+    /// What is left of the slices that have a weight beside a line with a step, with their numbers.
+    fn residuals(&self, stretch: &Range<usize>, step: f64) -> impl Iterator<Item = (usize, f64)> {
+        let total = self.sums[self.slices.len()][0];
         let [before, after] = [self.sums[stretch.start], self.sums[stretch.end]];
         let [n_in, x_in] = [0, 1].map(|k| after[k] - before[k]);
         let full = self.slices.iter().enumerate().filter(|(_, [weight, _])| *weight > 0.0);
-        let residuals = full.map(|(slice, [weight, _])| {
+        full.map(move |(slice, [weight, _])| {
             let off = (self.sums[slice + 1][2] - self.sums[slice][2]) / weight;
             let inside = if stretch.contains(&slice) { 1.0 } else { 0.0 };
             let x = slice as f64 - self.mean;
-            off - step.size * (inside - n_in / n - x * x_in / self.squares[0])
-        });
-        step.deviation /= independent_part(&residuals.collect::<List<f64>>()).sqrt();
-        Some(step)
+            (slice, off - step * (inside - n_in / total - x * x_in / self.squares[0]))
+        })
     }
 }
 
