@@ -51,7 +51,8 @@ pub(super) struct Body {
 }
 
 impl Fitter {
-    /// The body that a search finds among the points, a likely one with the most of them.
+    /// The body that a search finds among the points: a likely one with the most of them, or with the most on the cylinder that is
+    /// known.
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn likely_body(&self, view: &View, run: &mut Run<'_>) -> Result<Option<Body>> {
         // Of very many a part tells where the body is.
@@ -64,7 +65,10 @@ impl Fitter {
         let search = DetectionOptions { limits, min_score, ..default };
         let mut looks = Looks::default();
         let mut best: Option<Body> = None;
-        let worth = |body: &Body| body.score * weight(view, body.points.iter().copied());
+        let worth = |body: &Body| {
+            let points = || body.points.iter().copied();
+            [self.weight_on_known(view, points()), weight(view, points())].map(|of| body.score * of)
+        };
         loop {
             let asked = RefCell::new(&mut *run);
             let stopped = || asked.borrow_mut().report_again().is_break();
@@ -80,12 +84,29 @@ impl Fitter {
                     best = body;
                 }
             }
-            let is_likely = best.as_ref().is_some_and(Body::is_likely);
-            if is_likely || !looks.go_on(false, false) || !looks.at_all() {
+            let is_found =
+                |body: &Body| body.is_likely() && (self.known_cylinder().is_none() || worth(body)[0] > 0.0);
+            if best.as_ref().is_some_and(is_found) || !looks.go_on(false, false) || !looks.at_all() {
                 break;
             }
         }
         Ok(best)
+    }
+
+    /// The weight of those of some points that are near the cylinder that is known; 0 where none is.
+    fn weight_on_known(&self, view: &View, points: impl Iterator<Item = usize>) -> f64 {
+        let Some(known) = self.known_cylinder() else { return 0.0 };
+        let known = view.pose().inverse().cylinder(known);
+        let is_near =
+            |k: &usize| known.distance(&view.cloud.point(*k)).abs() <= NEAR_BODY.get() * known.radius;
+        weight(view, points.filter(is_near))
+    }
+
+    /// Whether more of the points of a body than of those of a first fit are near the cylinder that is known.
+    pub(super) fn is_nearer_known(&self, body: &Body, first: &Fitted, view: &View) -> bool {
+        let on = On::new(view, &first.result);
+        let of_first = (0..view.cloud.len()).filter(|&k| on.holds(k));
+        self.weight_on_known(view, body.points.iter().copied()) > self.weight_on_known(view, of_first)
     }
 
     /// The body of a region that was found, grown over all points unless it has `whole` of it; `None` where that is not round.

@@ -120,7 +120,7 @@ impl Fitter {
         if !self.options.is_robust() {
             return Ok(List::new());
         }
-        let start = self.continued().map(|last| &last.cylinder).or(self.start.as_ref());
+        let start = self.known_cylinder();
         let mut drawn = drawn.into_iter();
         let body = |view: &View| {
             run.check()?;

@@ -272,6 +272,11 @@ impl Fitter {
         self.last.as_ref().filter(|_| self.options.start == StartKind::Last)
     }
 
+    /// Where the cylinder is about, from the fit before or the caller.
+    fn known_cylinder(&self) -> Option<&Cylinder> {
+        self.continued().map(|last| &last.cylinder).or(self.start.as_ref())
+    }
+
     /// A view as the last fit took it.
     pub(crate) fn fitted_view(&self, view: usize) -> &View {
         let of_fit = self.made_with.as_ref().and_then(|made_with| made_with.bodies.get(view)?.as_ref());

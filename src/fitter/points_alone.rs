@@ -37,7 +37,7 @@ impl Fitter {
         // Masks and detectors have told the background.
         let tells = |view: &View| view.mask.is_some() || view.is_body;
         let is_told = !self.options.is_robust() || self.views.iter().any(tells);
-        let is_chosen = self.start.is_some() || self.options.start != StartKind::Auto;
+        let is_chosen = !matches!(self.options.start, StartKind::Auto | StartKind::Last);
         let searched = match &self.views[..] {
             [view] if !is_told && !is_chosen => Some(view),
             _ => None,
@@ -69,8 +69,10 @@ impl Fitter {
         first: Option<&Fitted>,
         run: &mut Run<'_>,
     ) -> Result<Option<Fitted>> {
-        let is_meant =
-            |body: &Body| first.map_or_else(|| body.is_likely(), |first| body.contradicts(first, view));
+        let is_meant = |body: &Body| match first {
+            Some(first) => body.contradicts(first, view) || self.is_nearer_known(body, first, view),
+            None => body.is_likely(),
+        };
         let mut body = self.likely_body(view, run)?.filter(is_meant);
         if let (None, Some(first)) = (&body, first) {
             body = self.body_beside_plane(view, first, run)?.filter(is_meant);
@@ -169,7 +171,7 @@ fn may_hold_more(view: &View, fit: &Fitted) -> bool {
 mod tests {
     use super::*;
     use crate::fitter::Options;
-    use crate::geometry::{AxisCone, CylinderLimits, RigidMotion, any_orthogonal};
+    use crate::geometry::{AxisCone, Cylinder, CylinderLimits, RigidMotion, any_orthogonal};
     use crate::observations::PointsView;
     use crate::statistics::random_number as number;
     use nalgebra::Matrix3;
@@ -227,6 +229,49 @@ mod tests {
                 assert!(off < 3.0 * stated, "{degrees}° {kind}: {off} {stated}");
                 assert!(stated < 3.0 * alone.uncertainty.unwrap().radius(), "{degrees}° {kind}: {stated}");
                 assert!(fit.points_used < 2000, "{degrees}° {kind}: {}", fit.points_used);
+            }
+        }
+    }
+
+    /// A start model, or a fit before, made the first fit the last: it was up to twice as wide.
+    #[test]
+    fn a_known_cylinder_hides_no_other_surface() {
+        let cylinder = Cylinder::new(Vector3::new(0.0, 0.0, 6.0), Vector3::y(), 1.0).unwrap();
+        for seed in 0..5 {
+            let points = [arc(seed, 60.0), beside(seed, "behind", 60.0)].concat();
+            for start in [StartKind::Auto, StartKind::Last] {
+                for model in [None, Some(cylinder)] {
+                    let mut fitter = of(&points);
+                    fitter.set_options(Options { start, ..Options::default() }).unwrap();
+                    fitter.set_start(model);
+                    // The second goes on from the first.
+                    for fit in [fitter.fit().unwrap(), fitter.fit().unwrap()] {
+                        let off = (fit.cylinder.radius - 1.0).abs();
+                        assert!(off < 3.0 * fit.uncertainty.unwrap().radius(), "{seed} {start:?}: {off}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn of_two_bodies_the_known_one_is_meant() {
+        let few = |points: Vec<[f64; 3]>| points.into_iter().step_by(2);
+        for seed in 0..5 {
+            let moved = |by: f64| {
+                let second = few(beside(seed, "second", 150.0)).map(move |[x, y, z]| [x, y, z + by]);
+                arc(seed, 150.0).into_iter().chain(second).collect::<Vec<_>>()
+            };
+            let mut fitter = of(&moved(0.0));
+            fitter.set_options(Options { start: StartKind::Last, ..Options::default() }).unwrap();
+            let second = Cylinder::new(Vector3::new(2.2, 0.0, 6.0), Vector3::y(), 1.0).unwrap();
+            fitter.set_start(Some(second));
+            for by in [0.0, 0.1, 0.2] {
+                fitter.clear();
+                fitter.push_points(&PointsView::from_f64(&moved(by)), None).unwrap();
+                let axis = fitter.fit().unwrap().cylinder.axis;
+                let off = axis.distance(&Vector3::new(2.2, 0.0, 6.0 + by));
+                assert!(off < 0.05, "{seed} {by}: {off}");
             }
         }
     }
