@@ -529,3 +529,29 @@ fn exact_depth_keeps_its_radius_beside_a_mask_that_is_too_narrow() {
     let off = fitter.fit().unwrap().cylinder.radius / scene.cylinder.radius - 1.0;
     assert!(off.abs() < 6e-3, "{off}");
 }
+
+/// All of a scene was explained best by a cylinder around the camera, and that was the error.
+#[test]
+fn a_scene_without_a_mask_shows_its_body() {
+    let intrinsics = *Scene::new(Top::Closed).camera.intrinsics();
+    let camera = Camera::new(intrinsics).unwrap();
+    let direction = Vector3::new(0.506, -0.277, -0.69);
+    let cylinder = Cylinder::new(Vector3::new(0.0, 0.0, 0.6), direction, 0.03).unwrap();
+    let up = Vector3::new(0.0, -0.8, -0.395);
+    let height = Vector3::new(0.0, 0.0, 0.743).dot(&up);
+    let depth: Vec<f32> = (0..SIZE.0 * SIZE.1)
+        .map(|k| {
+            let ray = camera.unproject(&Vector2::new((k % SIZE.0) as f64, (k / SIZE.0) as f64)).unwrap();
+            let on_floor = Some(height / ray.dot(&up)).filter(|z| (0.0..3.0).contains(z)).unwrap_or(1.5);
+            let near = cylinder.intersect_ray(&ray).map(|(near, _)| ray * near);
+            let on_body = near.filter(|point| cylinder.axis.position_of(point).abs() < 0.1);
+            on_body.map_or(on_floor, |point| point.z.min(on_floor)) as f32
+        })
+        .collect();
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(intrinsics).unwrap();
+    let depth = DepthView::from_f32(&depth, SIZE, 1.0).unwrap();
+    fitter.push_depth(&depth, None, &DepthRange::default()).unwrap();
+    let fit = fitter.fit().unwrap();
+    assert!((fit.cylinder.radius / 0.03 - 1.0).abs() < 0.01, "{}", fit.cylinder.radius);
+}

@@ -44,8 +44,10 @@ impl Fitter {
         };
         let first = match (first, searched) {
             (Ok(first), _) => first,
-            // Two bodies may be explained best by something flat.
-            (Err(error @ Error::PlanarPoints { .. }), Some(view)) if view.segments.is_empty() => {
+            // Two bodies may be explained best by something flat, a whole scene by something around the camera.
+            (Err(error @ (Error::PlanarPoints { .. } | Error::NoStart { .. })), Some(view))
+                if view.segments.is_empty() =>
+            {
                 return self.fit_among_surfaces(view, None, run)?.ok_or(error);
             }
             (Err(error), _) => return Err(error),
