@@ -1,5 +1,5 @@
 //! Constants that were judged rather than derived, by name, so that each one's influence on the results can be
-//! measured: `cargo run --release --features sensitivity --example sensitivity`.
+//! measured: `cargo run --release --features sensitivity --example sensitivity`, and `sensitivity_scenes` for those of detection.
 
 /// A constant with its place in the source and its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
