@@ -5,20 +5,18 @@
 
 #[path = "../tests/support/parallel.rs"]
 mod parallel;
+#[path = "scenes/taken.rs"]
+mod taken;
 #[allow(dead_code, reason = "shared with the command bench, which uses all of it")]
 #[path = "../src/bin/cylfuse/bench/experiments/truths.rs"]
 mod truths;
 
-use cylfuse::camera::{Camera, Distortion, Intrinsics};
 use cylfuse::detection::{DetectionOptions, Evidence, detect};
 use cylfuse::geometry::Cylinder;
-use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView};
 use cylfuse::scene::{Detector, DetectorOptions};
-use cylfuse::twin::{
-    CaptureOptions, DEPTH_UNIT, DepthSensor, Kind, PictureOptions, StructuredLight, TimeOfFlight, capture,
-    random_scene,
-};
+use cylfuse::twin::{DepthSensor, Kind, StructuredLight, TimeOfFlight};
 use nalgebra::{DMatrix, DVector};
+use taken::{camera, taken};
 use truths::{Hits, Truths};
 
 /// Kinds, sensors by name, and seeds of the scenes: as many tables and pipes to one by time of flight as in ../shared/scenes, and
@@ -46,14 +44,6 @@ const RIDGE: f64 = 3.0;
 /// Parts of the scenes, each of which is left out in turn.
 const PARTS: usize = 5;
 
-const SIZE: (usize, usize) = (640, 480);
-
-fn camera() -> Camera {
-    let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
-    let distortion = Distortion::None;
-    Camera::new(Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion }).unwrap()
-}
-
 /// A candidate.
 #[derive(Clone, Copy)]
 struct Row {
@@ -68,14 +58,7 @@ struct Searched {
 }
 
 fn searched(kind: Kind, sensor: DepthSensor, seed: u64) -> Searched {
-    let scene = random_scene(kind, seed).unwrap();
-    let picture = PictureOptions::default();
-    let options = CaptureOptions { camera: camera(), picture, sensor, registered: true };
-    let taken = capture(&scene, &options, seed).unwrap();
-    let mut frame = Frame::new(camera());
-    let depth = DepthView::from_u16(&taken.depth, SIZE, DEPTH_UNIT).unwrap();
-    frame.set_depth(&depth, &DepthRange::default()).unwrap();
-    frame.set_image(&ImageView::from_u8(&taken.image, SIZE).unwrap()).unwrap();
+    let (frame, truths) = taken(kind, sensor, seed, seed);
     let search = DetectionOptions { min_score: 0.0, ..DetectionOptions::default() };
     let rows = [false, true].map(|use_image| {
         let image = frame.image().filter(|_| use_image);
@@ -90,7 +73,7 @@ fn searched(kind: Kind, sensor: DepthSensor, seed: u64) -> Searched {
         let after = found.iter().map(|one| Row { cylinder: one.result.cylinder, evidence: one.evidence });
         [before.collect(), after.collect()]
     });
-    Searched { truths: Truths::new(&scene, &taken), rows }
+    Searched { truths, rows }
 }
 
 /// All scenes.

@@ -1,5 +1,5 @@
 //! Constants that were judged rather than derived, by name, so that each one's influence on the results can be
-//! measured: `cargo run --release --features sensitivity --example sensitivity`.
+//! measured: `cargo run --release --features sensitivity --example sensitivity`, and `sensitivity_scenes` for those of detection.
 
 /// A constant with its place in the source and its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,6 +10,9 @@ pub struct Constant {
     pub value: f64,
     /// Its unit; empty for a plain number.
     pub unit: &'static str,
+    /// What tells it from all others, never 0.
+    #[cfg(feature = "sensitivity")]
+    pub number: u64,
 }
 
 impl Constant {
@@ -39,6 +42,8 @@ macro_rules! constants {
                 name: concat!(module_path!(), "::", stringify!($name)),
                 value: $value,
                 unit: $unit,
+                #[cfg(feature = "sensitivity")]
+                number: $crate::constant::number(concat!(module_path!(), "::", stringify!($name))),
             };
         )*
 
@@ -46,6 +51,19 @@ macro_rules! constants {
         #[cfg(feature = "sensitivity")]
         pub(crate) const CONSTANTS: &[$crate::constant::Constant] = &[$($name),*];
     };
+}
+
+/// A number for a name, never 0 (Fowler, Noll and Vo's hash).
+#[cfg(feature = "sensitivity")]
+pub(crate) const fn number(name: &str) -> u64 {
+    let bytes = name.as_bytes();
+    let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
+    let mut k = 0;
+    while k < bytes.len() {
+        hash = (hash ^ bytes[k] as u64).wrapping_mul(0x0100_0000_01b3);
+        k += 1;
+    }
+    hash | 1
 }
 
 #[cfg(feature = "sensitivity")]
@@ -57,23 +75,11 @@ mod scaled {
     static SCALED: AtomicU64 = AtomicU64::new(0);
     static FACTOR: AtomicU64 = AtomicU64::new(0);
 
-    /// A number for a name, never 0 (Fowler, Noll and Vo's hash).
-    const fn number(name: &str) -> u64 {
-        let bytes = name.as_bytes();
-        let mut hash: u64 = 0xcbf2_9ce4_8422_2325;
-        let mut k = 0;
-        while k < bytes.len() {
-            hash = (hash ^ bytes[k] as u64).wrapping_mul(0x0100_0000_01b3);
-            k += 1;
-        }
-        hash | 1
-    }
-
     impl Constant {
         /// The factor on it.
         #[inline]
         fn factor(self) -> f64 {
-            if SCALED.load(Ordering::Relaxed) == number(self.name) {
+            if SCALED.load(Ordering::Relaxed) == self.number {
                 f64::from_bits(FACTOR.load(Ordering::Relaxed))
             } else {
                 1.0
@@ -99,7 +105,7 @@ mod scaled {
         /// Scales this constant and no other, for all threads.
         pub fn scale(self, factor: f64) {
             FACTOR.store(factor.to_bits(), Ordering::Relaxed);
-            SCALED.store(number(self.name), Ordering::Relaxed);
+            SCALED.store(self.number, Ordering::Relaxed);
         }
 
         /// Scales none.

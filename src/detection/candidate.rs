@@ -15,8 +15,30 @@ use crate::statistics::{median, min_max};
 /// Rounds of collecting and fitting; most settle in two.
 const ROUNDS: usize = 4;
 
-/// Fewest cells that five numbers may be fitted to: twice as many.
-const FEWEST: usize = 10;
+constants! {
+    /// Fewest cells that five numbers may be fitted to: twice as many.
+    FEWEST = 10.0, "cells";
+
+    /// The square of an inset counts up to this: outlines are uneven.
+    MOST_INSET = 16.0, "σ²";
+
+    /// What an edge along a limb is worth for each pixel of its length, as a logarithm of odds: one in twenty edges of
+    /// ten pixels lies there by chance.
+    GAIN_PER_PIXEL = 0.3, "log odds/px";
+
+    /// The part of a limb that edges must cover to hold it.
+    LEAST_COVERED = 0.2, "limb";
+
+    /// How far from a start the cells may be that a fit is made to first, and the steps of that fit.
+    FIRST_REACH = 12.0, "σ";
+    FIRST_STEPS = 6.0, "";
+
+    /// Steps of the fits that follow.
+    LAST_STEPS = 4.0, "";
+
+    /// A part of the cells more or fewer that changes nothing.
+    SETTLED = 0.02, "";
+}
 
 /// Most cells that a surface is fitted to, evenly chosen from more: a bound on the time.
 const FITTED: usize = 8000;
@@ -47,16 +69,6 @@ pub(super) enum Sides {
     /// The edges within so many pixels of its limbs; the outline where there are none.
     Edges { reach: f64 },
 }
-
-/// The square of an inset counts up to this: outlines are uneven.
-const MOST_INSET: f64 = 16.0;
-
-/// What an edge along a limb is worth for each pixel of its length, as a logarithm of odds: one in twenty edges of
-/// ten pixels lies there by chance.
-const GAIN_PER_PIXEL: f64 = 0.3;
-
-/// The part of a limb that edges must cover to hold it.
-const LEAST_COVERED: f64 = 0.2;
 
 /// A surface as its cells and the image see it: what it is worth and the evidence for it follow from this alike.
 pub(super) struct Look {
@@ -124,7 +136,7 @@ impl<'a> Scene<'a> {
 
     /// The gain over cells with these squared distances.
     pub fn gain_by(&self, misfits: &[f64]) -> f64 {
-        let sum: f64 = misfits.iter().map(|misfit| (REACH * REACH - misfit).max(0.0)).sum();
+        let sum: f64 = misfits.iter().map(|misfit| (REACH.get() * REACH.get() - misfit).max(0.0)).sum();
         0.5 * sum / self.noise.cells_per_sample
     }
 
@@ -144,7 +156,7 @@ impl<'a> Scene<'a> {
             if insets.is_empty() {
                 return 0.0;
             }
-            (median(&mut insets) - OUTLINE_SHIFT_PIXELS) / OUTLINE_PIXELS
+            (median(&mut insets) - OUTLINE_SHIFT_PIXELS.get()) / OUTLINE_PIXELS.get()
         })
     }
 
@@ -166,9 +178,9 @@ impl<'a> Scene<'a> {
         let range = min_max(&along);
         let sides = outline(self, cylinder, cells, (&across, &along, range), mark);
         let insets = self.insets(cylinder, &sides);
-        let outline: f64 = insets.iter().map(|inset| 0.5 * (inset * inset).min(MOST_INSET)).sum();
-        let support = self.support(cylinder, range, ON_LIMB);
-        let edges = support.as_ref().map_or(0.0, |support| support.length * GAIN_PER_PIXEL);
+        let outline: f64 = insets.iter().map(|inset| 0.5 * (inset * inset).min(MOST_INSET.get())).sum();
+        let support = self.support(cylinder, range, ON_LIMB.get());
+        let edges = support.as_ref().map_or(0.0, |support| support.length * GAIN_PER_PIXEL.get());
         Look { worth: gain + edges - outline - penalty, misfits, across, range, sides, support }
     }
 
@@ -189,7 +201,7 @@ impl<'a> Scene<'a> {
             distances::misfits(surface, self.optics.pixel, &self.numbers, &asked, &mut misfits);
             let first = cells.len();
             for (&k, &misfit) in asked.iter().zip(&misfits) {
-                if misfit <= REACH * REACH {
+                if misfit <= REACH.get() * REACH.get() {
                     cells.push(k);
                     of_cells.push(misfit);
                 }
@@ -220,7 +232,7 @@ impl<'a> Scene<'a> {
         if let (Sides::Edges { reach }, true) = (sides, self.image.is_some()) {
             let range = self.range(cylinder, cells);
             let support = self.support(cylinder, range, reach).unwrap_or_default();
-            if support.covered.iter().all(|&covered| covered >= LEAST_COVERED) {
+            if support.covered.iter().all(|&covered| covered >= LEAST_COVERED.get()) {
                 return support.tangents;
             }
         }
@@ -230,7 +242,8 @@ impl<'a> Scene<'a> {
         let rays: List<_> = sides.iter().filter_map(Side::limb).collect();
         // What a sensor does to an outline it does all along: each of the two sides is one measurement.
         let weight = 2.0 / rays.len() as f64;
-        let tangent = |ray| Tangent { ray, inset: OUTLINE_SHIFT_PIXELS, deviation: OUTLINE_PIXELS, weight };
+        let tangent =
+            |ray| Tangent { ray, inset: OUTLINE_SHIFT_PIXELS.get(), deviation: OUTLINE_PIXELS.get(), weight };
         rays.into_iter().map(tangent).collect()
     }
 
@@ -248,9 +261,9 @@ impl<'a> Scene<'a> {
         sides: Sides,
         mark: &mut Marks,
     ) -> Option<Surface> {
-        let surface = self.fit(surface, cells, &[], 4.0 * REACH, 6)?;
+        let surface = self.fit(surface, cells, &[], FIRST_REACH.get(), FIRST_STEPS.count())?;
         let tangents = self.tangents(&surface, cells, sides, mark);
-        self.fit(&surface, cells, &tangents, REACH, 4)
+        self.fit(&surface, cells, &tangents, REACH.get(), LAST_STEPS.count())
     }
 
     /// Fits a surface to cells and tangents from a start.
@@ -296,24 +309,23 @@ impl<'a> Scene<'a> {
             Sides::Edges { .. } => self.tangents(start, seeds, sides, mark),
             Sides::Outline => List::new(),
         };
-        let mut surface = self.fit(start, seeds, &tangents, 4.0 * REACH, 6)?;
+        let mut surface = self.fit(start, seeds, &tangents, FIRST_REACH.get(), FIRST_STEPS.count())?;
         let mut cells = List::from(seeds);
         let mut before = 0;
         for _ in 0..ROUNDS {
             cells = self.flood(&surface, &cells, mark).0;
-            if cells.len() < FEWEST {
+            if cells.len() < FEWEST.count() {
                 return None;
             }
             let tangents = self.tangents(&surface, &cells, sides, mark);
-            surface = self.fit(&surface, &cells, &tangents, REACH, 4)?;
-            // Two per cent more or fewer cells change nothing.
-            if cells.len().abs_diff(before) * 50 <= cells.len() {
+            surface = self.fit(&surface, &cells, &tangents, REACH.get(), LAST_STEPS.count())?;
+            if cells.len().abs_diff(before) as f64 <= SETTLED.get() * cells.len() as f64 {
                 break;
             }
             before = cells.len();
         }
         let (cells, misfits) = self.flood(&surface, &cells, mark);
-        if cells.len() < FEWEST {
+        if cells.len() < FEWEST.count() {
             return None;
         }
         let look = self.look_by(&surface, &cells, misfits, mark);

@@ -9,12 +9,14 @@ use crate::memory::List;
 use nalgebra::{Matrix2, Vector2, Vector3};
 use std::collections::BTreeMap;
 
-/// The least ratio of the variances of a cap along its shorter and its longer diameter. Of 920 objects of the twin five caps had 0.80
-/// and more, and what was seen of the front of a body 0.35 at most; this lies between.
-const LEAST_ROUND: f64 = 0.6;
+constants! {
+    /// The least ratio of the variances of a cap along its shorter and its longer diameter. Of 920 objects of the twin five caps had 0.80
+    /// and more, and what was seen of the front of a body 0.35 at most; this lies between.
+    LEAST_ROUND = 0.6, "";
 
-/// The least part of a plane that lies in the mask: of a table or a wall no more than a strip does.
-const LEAST_PART: f64 = 0.5;
+    /// The least part of a plane that lies in the mask: of a table or a wall no more than a strip does.
+    LEAST_PART = 0.5, "";
+}
 
 /// Cylinders as wide as their caps: the planes in the mask that may be one.
 pub(super) fn bodies(
@@ -29,7 +31,7 @@ pub(super) fn bodies(
     }
     let bodies = all.into_values().filter_map(|plane| {
         let cap: List<usize> = plane.iter().copied().filter(|&k| inside(k)).collect();
-        let in_mask = cap.len() as f64 >= LEAST_PART * plane.len() as f64;
+        let in_mask = cap.len() as f64 >= LEAST_PART.get() * plane.len() as f64;
         body_of_cap(grid, &cap).filter(|body| in_mask && limits.contain(body))
     });
     bodies.collect()
@@ -41,7 +43,7 @@ pub(super) fn most_covered(scene: &Scene<'_>, bodies: &[Cylinder], open: &[usize
     let on = |body: &Cylinder| {
         scene.effort.spend(open.len());
         let misfits = scene.misfits(&Surface::Cylinder(*body, 0.0), open);
-        misfits.iter().filter(|misfit| **misfit <= REACH * REACH).count()
+        misfits.iter().filter(|misfit| **misfit <= REACH.get() * REACH.get()).count()
     };
     let (most, body) = bodies.iter().map(|body| (on(body), body)).max_by_key(|(on, _)| *on)?;
     (2 * most > open.len()).then_some(*body)
@@ -60,6 +62,6 @@ fn body_of_cap(grid: &Grid, cap: &[usize]) -> Option<Cylinder> {
     let spread = (points().map(square).sum::<Matrix2<f64>>() / cap.len() as f64).symmetric_eigenvalues();
     // The mean square distance from any diameter of a disc is a quarter of the square of its radius.
     let radius = 2.0 * spread.mean().sqrt();
-    let round = spread.min() >= LEAST_ROUND * spread.max();
+    let round = spread.min() >= LEAST_ROUND.get() * spread.max();
     round.then_some(Cylinder { axis: Line { point: middle, direction }, radius })
 }

@@ -10,6 +10,22 @@ mod points;
 mod sensor;
 mod viewpoints;
 
+#[cfg(feature = "sensitivity")]
+/// The constants of the looks at clouds.
+pub(super) fn constants() -> Vec<crate::constant::Constant> {
+    let files = [
+        CONSTANTS,
+        cubes::CONSTANTS,
+        growth::CONSTANTS,
+        image::CONSTANTS,
+        looks::CONSTANTS,
+        members::CONSTANTS,
+        sensor::CONSTANTS,
+        viewpoints::CONSTANTS,
+    ];
+    files.concat()
+}
+
 use super::effort::Effort;
 use super::grid::Grid;
 use super::labels::{count_pixels, label};
@@ -24,8 +40,10 @@ use image::Image;
 pub(crate) use looks::Looks;
 use std::ops::Range;
 
-/// A part of the points that may lie anywhere: single ones far away must not make the image wide.
-const STRAY: f64 = 0.002;
+constants! {
+    /// A part of the points that may lie anywhere: single ones far away must not make the image wide.
+    STRAY = 0.002, "";
+}
 
 /// Points that are gone through between two questions whether to go on: some milliseconds.
 const BETWEEN_QUESTIONS: usize = 1 << 18;

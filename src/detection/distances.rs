@@ -136,7 +136,7 @@ pub(super) fn residual<S: Simd>(
     let along = dot(simd, projection.normal, ray);
     let square = simd.mul_f32s(along, along);
     let length = dot(simd, ray, ray);
-    let lateral = simd.mul_f32s(simd.splat_f32s((LATERAL_PIXELS * pixel) as f32), point[2]);
+    let lateral = simd.mul_f32s(simd.splat_f32s((LATERAL_PIXELS.get() * pixel) as f32), point[2]);
     let across = simd.max_f32s(simd.sub_f32s(length, square), zero);
     let of_depth = simd.mul_f32s(simd.mul_f32s(square, sigma), sigma);
     let of_lateral = simd.mul_f32s(simd.mul_f32s(lateral, lateral), across);

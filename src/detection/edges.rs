@@ -8,23 +8,31 @@ use crate::statistics::min_max_of;
 use nalgebra::{Matrix2, Vector2};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Pixels across the longer side of the image in which edges are looked for: larger ones are averaged in boxes.
-const PIXELS_ACROSS: f64 = 640.0;
+constants! {
+    /// Pixels across the longer side of the image in which edges are looked for: larger ones are averaged in boxes.
+    PIXELS_ACROSS = 640.0, "px";
 
-/// Gradients that count, in standard deviations of their noise: one in 3,000 of noise alone.
-const SIGNIFICANT: f64 = 3.0;
+    /// Gradients that count, in standard deviations of their noise: one in 3,000 of noise alone.
+    SIGNIFICANT = 3.0, "σ";
+
+    /// Gradients of one edge differ in direction by up to 22.5 degrees (von Gioi et al.): its cosine.
+    ALIKE = 0.9239, "";
+
+    /// The shortest edge in pixels: what is shorter is noise, or has no direction.
+    SHORTEST = 8.0, "px";
+
+    /// The standard deviation across an edge in pixels: a step blurred by up to this much.
+    WIDEST = 2.0, "px";
+
+    /// Gradients that are less than this part of the largest do not count: images without noise have no quartile.
+    LEAST_STRENGTH = 0.01, "";
+
+    /// A gradient stands out where it is at least one by this as strong as any beside it across the edge.
+    STANDS_OUT = 2.0, "";
+}
 
 /// The lower quartile of the magnitude of a gradient of noise (Rayleigh) in standard deviations of one component.
 const QUARTILE: f64 = 0.7585;
-
-/// Gradients of one edge differ in direction by up to 22.5 degrees (von Gioi et al.): its cosine.
-const ALIKE: f64 = 0.9239;
-
-/// The shortest edge in pixels: what is shorter is noise, or has no direction.
-const SHORTEST: f64 = 8.0;
-
-/// The standard deviation across an edge in pixels: a step blurred by up to this much.
-const WIDEST: f64 = 2.0;
 
 /// Where beside an edge its blur may be, in pixels across it.
 const BESIDE: [f32; 6] = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0];
@@ -68,7 +76,7 @@ impl Gradient {
         for step in BESIDE {
             let x = nearest(column as f32 + unit.x * step, self.width);
             let y = nearest(row as f32 + unit.y * step, self.height);
-            if !(2.0 * self.magnitudes[k] >= self.magnitudes[y * self.width + x]) {
+            if !(STANDS_OUT.get() as f32 * self.magnitudes[k] >= self.magnitudes[y * self.width + x]) {
                 return false;
             }
         }
@@ -134,7 +142,7 @@ impl WithSimd for Standing<'_> {
 
 /// The straight edges of an image.
 pub(super) fn edges(image: &GreyImage, camera: &Camera) -> Vec<Edge> {
-    let factor = (image.width().max(image.height()) as f64 / PIXELS_ACROSS).round().max(1.0) as usize;
+    let factor = (image.width().max(image.height()) as f64 / PIXELS_ACROSS.get()).round().max(1.0) as usize;
     let gradient = gradient(&reduced(image, factor), image.width() / factor, image.height() / factor);
     let mut found = Vec::new();
     let Some(threshold) = threshold(&gradient.magnitudes) else { return found };
@@ -266,9 +274,8 @@ fn threshold(magnitudes: &[f32]) -> Option<f32> {
     // Numbers without sign are ordered as their bits are, and so many side by side.
     let largest = || magnitudes.iter().map(|size| size.to_bits()).max();
     let largest = f32::from_bits(Arch::new().dispatch(largest)?);
-    // Images without noise have no quartile.
-    let threshold = (SIGNIFICANT / QUARTILE) as f32 * quartile;
-    (largest > 0.0).then_some(threshold.max(0.01 * largest))
+    let threshold = (SIGNIFICANT.get() / QUARTILE) as f32 * quartile;
+    (largest > 0.0).then_some(threshold.max(LEAST_STRENGTH.get() as f32 * largest))
 }
 
 /// The number without sign that a quarter of those in a list lie below; `None` of no numbers.
@@ -341,7 +348,7 @@ fn grow(gradient: &Gradient, seed: usize, free: &mut [bool], region: &mut Vec<us
                     continue;
                 }
                 let direction = unit(neighbour);
-                if direction.dot(&sum) > ALIKE as f32 * length {
+                if direction.dot(&sum) > ALIKE.get() as f32 * length {
                     free[neighbour] = false;
                     region.push(neighbour);
                     sum += direction;
@@ -354,7 +361,7 @@ fn grow(gradient: &Gradient, seed: usize, free: &mut [bool], region: &mut Vec<us
 
 /// The ends of the line through a region, where it is long and narrow.
 fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
-    if (region.len() as f64) < SHORTEST {
+    if (region.len() as f64) < SHORTEST.get() {
         return None;
     }
     // Each position takes a division, and is asked for three times. An image has fewer pixels than 2³².
@@ -378,7 +385,7 @@ fn line(gradient: &Gradient, region: &[usize]) -> Option<[Vector2<f64>; 2]> {
     let direction: Vector2<f64> = eigen.eigenvectors.column(1 - least).into();
     let along = positions.iter().map(|position| (position - middle).dot(&direction));
     let [low, high] = min_max_of(along);
-    (high - low >= SHORTEST && eigen.eigenvalues[least] <= WIDEST * WIDEST)
+    (high - low >= SHORTEST.get() && eigen.eigenvalues[least] <= WIDEST.get() * WIDEST.get())
         .then(|| [middle + direction * low, middle + direction * high])
 }
 

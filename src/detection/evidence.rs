@@ -59,18 +59,33 @@ pub struct Evidence {
     pub scatter: f64,
 }
 
-/// Lids are wider than their cans by this part of the radius.
-const LID: f64 = 0.04;
+constants! {
+    /// Lids are wider than their cans by this part of the radius.
+    LID = 0.04, "radius";
 
-/// Evidence of the shape with which a candidate need not be looked at any more.
-const HOPELESS: f64 = -4.0;
+    /// Evidence of the shape with which a candidate need not be looked at any more.
+    HOPELESS = -4.0, "log odds";
 
-/// What rays see is looked at within this part of the radius: nearer to the limbs depth is drawn to what lies beside them.
-const SEEN_PART: f64 = 0.8;
+    /// What rays see is looked at within this part of the radius: nearer to the limbs depth is drawn to what lies beside them.
+    SEEN_PART = 0.8, "radius";
 
-/// Edges along both sides of what has this radius in pixels or less may be those of a stripe on a smooth surface: filters of the depth
-/// smooth a step over half of it to either side of a limb.
-const WIDEST_STRIPE: f64 = 2.0 * DRAWN_OUT;
+    /// Edges along both sides of what has this radius in pixels or less may be those of a stripe on a smooth surface: filters of the depth
+    /// smooth a step over half of it to either side of a limb.
+    WIDEST_STRIPE = 2.0 * DRAWN_OUT.value, "px";
+
+    /// Steps of the fits of other surfaces.
+    STEPS = 6.0, "";
+
+    /// The parts of both limbs together that edges cover where what looks hopeless is compared with other surfaces all the same.
+    ONE_LIMB = 1.0, "limb";
+
+    /// What rays see is not looked at nearer to the ends.
+    ENDS = 0.1, "length";
+
+    /// What is farther off the surface than this, or than a lid, is seen through it, but in front of it by less than the last of these.
+    OFF = 1.3, "REACH";
+    IN_FRONT = 0.5, "radius";
+}
 
 /// A ray that is met with a cylinder takes as long as so many visits.
 const VISITS_OF_RAY: usize = 2;
@@ -104,7 +119,7 @@ impl Scene<'_> {
         let gain = self.gain_by(misfits) - self.penalty(&candidate.surface, candidate.cells.len());
         let mut evidence = Evidence { gain, ..Evidence::default() };
         let [mut left, mut right] = min_max(across);
-        let squares: f64 = misfits.iter().map(|misfit| misfit.min(REACH * REACH)).sum();
+        let squares: f64 = misfits.iter().map(|misfit| misfit.min(REACH.get() * REACH.get())).sum();
         evidence.rms = (squares / candidate.cells.len() as f64).sqrt();
         let depth = self.grid.cells[candidate.cells[candidate.cells.len() / 2]].point.z;
         // Where all surfaces bend the noise seems larger than it is, but cells lie near theirs.
@@ -127,7 +142,7 @@ impl Scene<'_> {
         self.effort.spend(sides.len());
         // Nor does it where the image has an edge along the limb: filters of the depth smooth the step there. What is narrower
         // than such a step may be a stripe.
-        let edges = support.as_ref().filter(|_| pixels > WIDEST_STRIPE);
+        let edges = support.as_ref().filter(|_| pixels > WIDEST_STRIPE.get());
         let on_edge = |side: &Side| edges.is_some_and(|edges| edges.covers(side.sign, &side.ray));
         let open = sides
             .iter()
@@ -150,7 +165,9 @@ impl Scene<'_> {
         if evidence.score() >= least {
             self.see_through(&cylinder, candidate, look.range, &mut evidence);
             // What the sides rule out needs no other surface, which would take most of the time.
-            if evidence.shape() > HOPELESS || evidence.limbs.is_some_and(|[a, b]| a + b > 1.0) {
+            if evidence.shape() > HOPELESS.get()
+                || evidence.limbs.is_some_and(|[a, b]| a + b > ONE_LIMB.get())
+            {
                 let length = evidence.length * cylinder.radius;
                 self.compare(candidate, across, length, least, &mut evidence, mark);
             }
@@ -197,7 +214,7 @@ impl Scene<'_> {
         if evidence.score() < least {
             return;
         }
-        let fitted = |start: Surface| self.fit(&start, cells, &[], REACH, 6);
+        let fitted = |start: Surface| self.fit(&start, cells, &[], REACH.get(), STEPS.count());
         let mut margin = |other: &Surface| {
             let (other, _) = self.grow(other, cells, Sides::Outline, mark)?;
             mark.next();
@@ -277,7 +294,7 @@ impl Scene<'_> {
             .map(|&k| {
                 let cell = &self.grid.cells[k];
                 let residual = cell.w - (a + b * cell.x + c * cell.y);
-                (REACH * REACH - residual * residual * per_variance).max(0.0)
+                (REACH.get() * REACH.get() - residual * residual * per_variance).max(0.0)
             })
             .sum();
         0.5 * sum / self.noise.cells_per_sample
@@ -295,8 +312,8 @@ impl Scene<'_> {
         let depth = grid.cells[candidate.cells[0]].point.z;
         let margin = (2.0 * cylinder.radius / (grid.spacing * depth)).min(grid.columns as f64) as usize;
         let (mut through, mut on) = (0.0, 0.0);
-        let seen = Band::new(cylinder, SEEN_PART);
-        let inset = 0.1 * (last - first);
+        let seen = Band::new(cylinder, SEEN_PART.get());
+        let inset = ENDS.get() * (last - first);
         // The cells around the support, as far as the cylinder may reach.
         let [columns, rows] = grid.around(&candidate.cells, margin);
         let in_view = InView::of_piece(cylinder, [first + inset, last - inset]);
@@ -318,8 +335,8 @@ impl Scene<'_> {
             if along < first + inset || along > last - inset {
                 continue;
             }
-            let tolerance = (1.3 * REACH / information.sqrt()).max(LID * cylinder.radius);
-            if behind > tolerance || behind < -tolerance && behind > -0.5 * cylinder.radius {
+            let tolerance = (OFF.get() * REACH.get() / information.sqrt()).max(LID.get() * cylinder.radius);
+            if behind > tolerance || behind < -tolerance && behind > -IN_FRONT.get() * cylinder.radius {
                 through += 1.0;
             } else if behind.abs() <= tolerance {
                 on += 1.0;

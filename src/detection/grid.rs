@@ -11,20 +11,28 @@ use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// The steepest surface that counts as one piece from cell to cell, as change of depth over the width across the line
-/// of sight: a cylinder is this steep at 0.96 r from the middle of its image. What is steeper is a step.
-pub(super) const STEEPEST: f64 = 3.5;
+constants! {
+    /// The steepest surface that counts as one piece from cell to cell, as change of depth over the width across the line
+    /// of sight: a cylinder is this steep at 0.96 r from the middle of its image. What is steeper is a step.
+    pub(super) STEEPEST = 3.5, "";
 
-/// Cells across the longer side of an image: structured light averages over 7 to 11 pixels of 640, so that cells of 3
-/// pixels lose nothing.
-const CELLS_ACROSS: usize = 214;
+    /// Cells across the longer side of an image: structured light averages over 7 to 11 pixels of 640, so that cells of 3
+    /// pixels lose nothing.
+    CELLS_ACROSS = 214.0, "cells";
 
-/// Cells to a radian, at most: as many as 3 pixels are at a focal length of 570, the usual one for 640 pixels. A part cut out
-/// of an image, and a narrow view whose depth was enlarged to the image, have no finer depth for their fewer cells.
-const CELLS_TO_A_RADIAN: f64 = 190.0;
+    /// Cells to a radian, at most: as many as 3 pixels are at a focal length of 570, the usual one for 640 pixels. A part cut out
+    /// of an image, and a narrow view whose depth was enlarged to the image, have no finer depth for their fewer cells.
+    CELLS_TO_A_RADIAN = 190.0, "cells";
 
-/// So much coarser than by the size of the image at most: a camera for small things may be narrow and fine.
-const MOST_COARSER: f64 = 2.0;
+    /// So much coarser than by the size of the image at most: a camera for small things may be narrow and fine.
+    MOST_COARSER = 2.0, "";
+
+    /// The part of the pixels of a cell that must be measured on one surface.
+    LEAST_MEASURED = 1.0 / 3.0, "";
+
+    /// How much of a step between neighbouring cells may be noise.
+    STEP_NOISE = 3.0, "σ";
+}
 
 /// The least and the largest of no numbers.
 const NO_BOUNDS: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
@@ -57,9 +65,9 @@ impl Cell {
 
 /// Pixels along the side of a cell of an image whose pixels have this side on the plane z = 1, infinite where that does not tell how fine the depth is.
 pub(super) fn side_of_cells((width, height): (usize, usize), pixel: f64) -> usize {
-    let of_image = width.max(height) as f64 / CELLS_ACROSS as f64;
-    let of_angle = 1.0 / (CELLS_TO_A_RADIAN * pixel);
-    of_image.max(of_angle.min(MOST_COARSER * of_image.max(1.0))).round().max(1.0) as usize
+    let of_image = width.max(height) as f64 / CELLS_ACROSS.get();
+    let of_angle = 1.0 / (CELLS_TO_A_RADIAN.get() * pixel);
+    of_image.max(of_angle.min(MOST_COARSER.get() * of_image.max(1.0))).round().max(1.0) as usize
 }
 
 /// The cells of a depth image, row by row.
@@ -113,9 +121,9 @@ impl Sums {
         sums
     }
 
-    /// The mean, where a third of all pixels were measured.
+    /// The mean, where enough of all pixels were measured.
     fn mean(&self, full: usize) -> Cell {
-        if 3.0 * self.count < full as f64 {
+        if self.count < LEAST_MEASURED.get() * full as f64 {
             return Cell::EMPTY;
         }
         let [x, y, w] = self.position.map(|sum| sum / self.count);
@@ -126,7 +134,7 @@ impl Sums {
 
 /// How far depths about one in the middle may differ from it.
 fn reach_at(middle: f64, spacing: f64) -> f64 {
-    0.5 * STEEPEST * spacing * middle
+    0.5 * STEEPEST.get() * spacing * middle
 }
 
 /// The sums over pixels on the surface in the middle of their depths.
@@ -269,13 +277,13 @@ impl Grid {
             return false;
         }
         let depth = a.point.z.min(b.point.z);
-        let (step, noise) = ((a.point.z - b.point.z).abs(), 3.0 * (a.sigma + b.sigma));
+        let (step, noise) = ((a.point.z - b.point.z).abs(), STEP_NOISE.get() * (a.sigma + b.sigma));
         // Most are, and nothing need be known of how far apart they are.
-        if step <= STEEPEST * self.spacing * depth + noise {
+        if step <= STEEPEST.get() * self.spacing * depth + noise {
             return true;
         }
         let (right, down) = (a.x - b.x, a.y - b.y);
-        step <= STEEPEST * (right * right + down * down).sqrt() * depth + noise
+        step <= STEEPEST.get() * (right * right + down * down).sqrt() * depth + noise
     }
 
     /// The neighbours of a cell left, right, above and below; beyond the border the cell itself.

@@ -14,6 +14,11 @@ use crate::statistics::min_max_of;
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
+constants! {
+    /// How much noisier a pixel is than the noisiest cell of its cylinder.
+    NOISE = 1.5, "σ";
+}
+
 /// Rows of the image that are given to a cylinder between two questions whether to go on: some milliseconds.
 const ROWS_BETWEEN_QUESTIONS: usize = 64;
 
@@ -73,13 +78,14 @@ pub(super) fn label(
             // Only of those between is it asked where along the axis.
             read_points(y, columns.start + left..columns.start + right + 1, &mut points);
             let rays = [&rays[0][left..=right], &rays[1][left..=right]];
-            let of_row = OfRow { surface, cylinder, pixel, sigma: 1.5 * sigma, range, rays, points: &points };
+            let of_row =
+                OfRow { surface, cylinder, pixel, sigma: NOISE.get() * sigma, range, rays, points: &points };
             misfits.resize(right - left + 1, 0.0);
             Arch::new().dispatch(Misfits { of_row, misfits: &mut misfits });
             let row = y * width + columns.start + left..y * width + columns.start + right + 1;
             let pixels = labels[row.clone()].iter_mut().zip(&mut nearest[row]);
             for ((label, nearest), (misfit, excess)) in pixels.zip(misfits.iter().zip(&excesses[left..])) {
-                if *misfit <= REACH as f32 && *excess < 0.0 && *misfit < *nearest {
+                if *misfit <= REACH.get() as f32 && *excess < 0.0 && *misfit < *nearest {
                     *nearest = *misfit;
                     *label = index as u16 + 1;
                 }
@@ -134,7 +140,7 @@ impl WithSimd for Misfits<'_> {
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { of_row: OfRow { surface, cylinder, pixel, sigma, range, rays, points }, misfits } = self;
         let (zero, one) = (simd.splat_f32s(0.0), simd.splat_f32s(1.0));
-        let (nothing, beyond) = (simd.splat_f32s(REACH as f32), simd.splat_f32s(f32::INFINITY));
+        let (nothing, beyond) = (simd.splat_f32s(REACH.get() as f32), simd.splat_f32s(f32::INFINITY));
         let (low, high) = (simd.splat_f32s(range[0] as f32), simd.splat_f32s(range[1] as f32));
         let sigma = simd.splat_f32s(sigma as f32);
         for (group, misfits) in misfits.chunks_mut(LANES).enumerate() {

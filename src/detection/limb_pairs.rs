@@ -8,51 +8,68 @@ use crate::geometry::{Cylinder, LimbFrame, Line};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
-/// How far an edge on a limb is from it in pixels: edges are found to a fraction of one, short ones less well.
-pub(super) const ON_LIMB: f64 = 1.5;
+constants! {
+    /// How far an edge on a limb is from it in pixels: edges are found to a fraction of one, short ones less well.
+    pub(super) ON_LIMB = 1.5, "px";
 
-/// Standard deviation of an edge from the limb, in pixels.
-const EDGE_PIXELS: f64 = 0.7;
+    /// Standard deviation of an edge from the limb, in pixels.
+    EDGE_PIXELS = 0.7, "px";
 
-/// An edge is as good as one measurement in this many pixels.
-const PIXELS_PER_TANGENT: f64 = 10.0;
+    /// An edge is as good as one measurement in this many pixels.
+    PIXELS_PER_TANGENT = 10.0, "px";
+
+    /// Limbs converge by up to 15 degrees: its cosine.
+    ALONG = 0.966, "";
+
+    /// The least distance of two limbs in pixels.
+    NARROWEST = 8.0, "px";
+
+    /// Two edges must stand side by side over this part of their distance.
+    SIDE_BY_SIDE = 0.35, "";
+
+    /// The part of the width between two limbs whose depth is looked at: beyond it is drawn to what lies beside.
+    INNER = 0.7, "";
+
+    /// The shortest stretch in pixels over which two edges stand side by side.
+    SHORTEST_OVERLAP = 8.0, "px";
+
+    /// How far from an edge it is asked whether something beyond it stands in front, in cells, and by how much that is then nearer, in
+    /// radii. Of equal cylinders side by side the next one is nearer by 1.8 sin α radii where their plane is aslant by α, and what
+    /// is seen of one narrower than it by 1 − cos α: 4 % with half a radius.
+    FROM_EDGE = 2.0, "cells";
+    IN_FRONT = 0.5, "radius";
+
+    /// Fewest cells between two edges.
+    FEWEST = 8.0, "cells";
+
+    /// Allowed ratio of the measured curvature of the depth between two limbs to that of a cylinder. Matching windows
+    /// flatten the depth up to threefold.
+    FLATTEST = 0.3, "";
+    ROUNDEST = 1.7, "";
+
+    /// By how much more it may differ.
+    CURVATURE_ERROR = 2.0, "σ";
+
+    /// An edge may be as far from a limb as this part of its length and so many pixels more: a short one turns by less on a limb.
+    OF_LENGTH = 0.2, "length";
+    MORE = 0.3, "px";
+
+    /// How far cells may lie off the surface between two edges, in standard deviations and widths together.
+    PROFILE_REACH = 4.0, "σ";
+    PROFILE_OFF = 0.1, "width";
+
+    /// The part of the cells that lie so near at least.
+    ON_PROFILE = 2.0 / 3.0, "";
+}
 
 /// Pieces of the limb that edges cover or not.
 const PIECES: usize = 32;
-
-/// Limbs converge by up to 15 degrees: its cosine.
-const ALONG: f64 = 0.966;
-
-/// The least distance of two limbs in pixels.
-const NARROWEST: f64 = 8.0;
-
-/// Two edges must stand side by side over this part of their distance.
-const SIDE_BY_SIDE: f64 = 0.35;
-
-/// Allowed ratio of the measured curvature of the depth between two limbs to that of a cylinder. Matching windows
-/// flatten the depth up to threefold.
-const CURVATURES: [f64; 2] = [0.3, 1.7];
-
-/// The part of the width between two limbs whose depth is looked at: beyond it is drawn to what lies beside.
-const INNER: f64 = 0.7;
-
-/// The shortest stretch in pixels over which two edges stand side by side.
-const SHORTEST_OVERLAP: f64 = 8.0;
 
 /// Pairs of edges, most of which are not parallel, that take as long as one visit.
 const PAIRS_PER_VISIT: usize = 8;
 
 /// The depth between two edges takes as long to look at as so many visits.
 const VISITS_OF_PROFILE: usize = 200;
-
-/// How far from an edge it is asked whether something beyond it stands in front, in cells, and by how much that is then nearer, in
-/// radii. Of equal cylinders side by side the next one is nearer by 1.8 sin α radii where their plane is aslant by α, and what
-/// is seen of one narrower than it by 1 − cos α: 4 % with half a radius.
-const FROM_EDGE: f64 = 2.0;
-const IN_FRONT: f64 = 0.5;
-
-/// Fewest cells between two edges.
-const FEWEST: usize = 8;
 
 /// A ray on the plane z = 1.
 fn image(p: &Vector3<f64>) -> Option<Vector2<f64>> {
@@ -162,17 +179,22 @@ impl ImageEdges {
         for limb in self.limbs(cylinder, range)? {
             let mut pieces = 0_u32;
             for (edge, edge_length) in self.edges.iter().zip(&self.lengths) {
-                let reach = (reach * self.pixel).min(0.2 * edge_length + 0.3 * self.pixel);
+                let reach = (reach * self.pixel).min(OF_LENGTH.get() * edge_length + MORE.get() * self.pixel);
                 if edge.ends.iter().any(|p| (p - limb.start).dot(&limb.across).abs() > reach) {
                     continue;
                 }
                 let Some(covered) = limb.pieces(edge) else { continue };
                 pieces |= covered;
-                let count = (edge_length / (PIXELS_PER_TANGENT * self.pixel)).ceil().max(2.0);
+                let count = (edge_length / (PIXELS_PER_TANGENT.get() * self.pixel)).ceil().max(2.0);
                 for k in 0..count as usize {
                     let p = edge.ends[0].lerp(&edge.ends[1], (k as f64 + 0.5) / count);
                     let ray = Vector3::new(p.x, p.y, 1.0);
-                    support.tangents.push(Tangent { ray, inset: 0.0, deviation: EDGE_PIXELS, weight: 1.0 });
+                    support.tangents.push(Tangent {
+                        ray,
+                        inset: 0.0,
+                        deviation: EDGE_PIXELS.get(),
+                        weight: 1.0,
+                    });
                 }
             }
             let covered = part(pieces);
@@ -198,7 +220,7 @@ impl Scene<'_> {
                 break;
             }
             for (b, direction) in edges.iter().zip(&directions).skip(k + 1) {
-                if directions[k].dot(direction).abs() >= ALONG {
+                if directions[k].dot(direction).abs() >= ALONG.get() {
                     found.extend(self.pair(a, b));
                 }
             }
@@ -231,7 +253,10 @@ impl Scene<'_> {
         let (pa, pb) = (cross(a, &da), cross(b, &db));
         let width = (pb - pa).dot(&across).abs();
         let length = high - low;
-        if width < NARROWEST * pixel || length < SHORTEST_OVERLAP * pixel || length < SIDE_BY_SIDE * width {
+        if width < NARROWEST.get() * pixel
+            || length < SHORTEST_OVERLAP.get() * pixel
+            || length < SIDE_BY_SIDE.get() * width
+        {
             return None;
         }
         let center = 0.5 * (pa + pb);
@@ -270,11 +295,11 @@ impl Scene<'_> {
                 let k = self.cell_at(&(edge + outward * distance))?;
                 Some(&self.grid.cells[k]).filter(|cell| cell.measured())
             };
-            let Some(inner) = at(-(FROM_EDGE * spacing).min(0.5 * width)) else { continue };
+            let Some(inner) = at(-(FROM_EDGE.get() * spacing).min(0.5 * width)) else { continue };
             all += 1;
-            nearer += usize::from(at(FROM_EDGE * spacing).is_some_and(|outer| {
+            nearer += usize::from(at(FROM_EDGE.get() * spacing).is_some_and(|outer| {
                 let step = inner.point.z - outer.point.z;
-                step > IN_FRONT * radius && step > REACH * (inner.sigma + outer.sigma)
+                step > IN_FRONT.get() * radius && step > REACH.get() * (inner.sigma + outer.sigma)
             }));
         }
         2 * nearer > all
@@ -300,14 +325,14 @@ impl Scene<'_> {
     ) -> Option<(SVector<f64, 4>, List<usize>)> {
         let spacing = self.grid.spacing;
         let steps = |size: f64| (size / spacing).round().clamp(3.0, 24.0) as usize;
-        let (rows, columns) = (steps(length), steps(INNER * width));
+        let (rows, columns) = (steps(length), steps(INNER.get() * width));
         let mut cells = List::with_capacity(rows * columns);
         let mut missing = 0;
         for row in 0..rows {
             for column in 0..columns {
                 let t = (row as f64 + 0.5) / rows as f64 - 0.5;
                 let s = (column as f64 + 0.5) / columns as f64 - 0.5;
-                let p = center + along * (t * length) + across * (s * INNER * width);
+                let p = center + along * (t * length) + across * (s * INNER.get() * width);
                 match self.cell_at(&p) {
                     Some(k) if self.open[k] => cells.push(k),
                     _ => missing += 1,
@@ -316,7 +341,7 @@ impl Scene<'_> {
         }
         cells.sort_unstable();
         cells.dedup();
-        if cells.len() < FEWEST || missing * 2 > rows * columns {
+        if cells.len() < FEWEST.count() || missing * 2 > rows * columns {
             return None;
         }
         let mut solution = SVector::<f64, 4>::zeros();
@@ -340,14 +365,14 @@ impl Scene<'_> {
             }
             if reach.is_finite() {
                 let within = residuals.iter().filter(|&&r| r <= reach).count();
-                if within * 3 < cells.len() * 2 {
+                if (within as f64) < ON_PROFILE.get() * cells.len() as f64 {
                     return None;
                 }
             }
             let inverse = matrix.cholesky()?.inverse();
             solution = inverse * vector;
             uncertainty = self.noise.deviation * (self.noise.cells_per_sample * inverse[(3, 3)]).sqrt();
-            reach = 4.0 * self.noise.deviation + 0.1 * width * solution[0];
+            reach = PROFILE_REACH.get() * self.noise.deviation + PROFILE_OFF.get() * width * solution[0];
         }
         if !(solution[0] > 0.0) {
             return None;
@@ -355,8 +380,8 @@ impl Scene<'_> {
         // z = z₀ + x² / (2 r) with x = z₀ s width / 2 and r = z₀ width / 2: w = w₀ (1 − s² width / 4).
         let expected = -0.25 * width * solution[0];
         let ratio = solution[3] / expected;
-        let uncertain = 2.0 * uncertainty / expected.abs();
-        (ratio + uncertain >= CURVATURES[0] && ratio - uncertain <= CURVATURES[1] && ratio > 0.0)
+        let uncertain = CURVATURE_ERROR.get() * uncertainty / expected.abs();
+        (ratio + uncertain >= FLATTEST.get() && ratio - uncertain <= ROUNDEST.get() && ratio > 0.0)
             .then_some((solution, cells))
     }
 }

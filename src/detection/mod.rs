@@ -31,6 +31,34 @@ pub(crate) use cloud::{Looks, detect_points_until, grown, is_round, reach_of};
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
 
+#[cfg(feature = "sensitivity")]
+/// The constants of detection.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    let files = [
+        CONSTANTS,
+        candidate::CONSTANTS,
+        caps::CONSTANTS,
+        edges::CONSTANTS,
+        evidence::CONSTANTS,
+        grid::CONSTANTS,
+        labels::CONSTANTS,
+        limb_pairs::CONSTANTS,
+        noise::CONSTANTS,
+        outline::CONSTANTS,
+        parts::CONSTANTS,
+        patch::CONSTANTS,
+        planes::CONSTANTS,
+        region::CONSTANTS,
+        score::CONSTANTS,
+        search::CONSTANTS,
+        settle::CONSTANTS,
+        shift::CONSTANTS,
+        surface::CONSTANTS,
+    ];
+    [files.concat(), cloud::constants()].concat()
+}
+
 pub(crate) use rays::{Band, meets};
 pub(crate) use region::{detect_in_mask, widened};
 pub(crate) use score::{least_before_fit, with_odds_divided};
@@ -47,10 +75,12 @@ use nalgebra::{Vector2, Vector3};
 use search::{Limbs, Searched, search};
 use std::ops::Range;
 
-/// By how much the located limbs of a cylinder turn against each other, as a slope of its radius, beyond their stated deviations.
-/// On 321 cylinders of rendered scenes the slope is 0.001 in the median, less than 0.012 on 98 %, and 0.033 at most; on 11 bodies
-/// that taper and passed for cylinders it was 0.065 and more.
-const LIMBS_TURN: f64 = 0.01;
+constants! {
+    /// By how much the located limbs of a cylinder turn against each other, as a slope of its radius, beyond their stated deviations.
+    /// On 321 cylinders of rendered scenes the slope is 0.001 in the median, less than 0.012 on 98 %, and 0.033 at most; on 11 bodies
+    /// that taper and passed for cylinders it was 0.065 and more.
+    LIMBS_TURN = 0.01, "";
+}
 
 /// The settings of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,7 +173,7 @@ impl Detections {
             if seen.iter().sum::<f64>() > fitted.iter().sum() { seen } else { fitted }
         });
         // Two sharp lines tell it far better than depth, which is drawn out beside them.
-        let slope = slope.map(|[slope, deviation]| [slope, deviation.hypot(LIMBS_TURN)]);
+        let slope = slope.map(|[slope, deviation]| [slope, deviation.hypot(LIMBS_TURN.get())]);
         let slope = slope.or(detection.evidence.slope);
         Evidence { limbs, slope, radius_deviation: Some(radius_deviation), ..detection.evidence }
     }
@@ -161,7 +191,7 @@ impl Detections {
         let axis = &detection.cylinder.axis;
         let mut range = detection.along.map(|along| cylinder.axis.position_of(&axis.at(along)));
         range.sort_by(f64::total_cmp);
-        let support = self.image.as_ref().and_then(|image| image.support(cylinder, range, ON_LIMB));
+        let support = self.image.as_ref().and_then(|image| image.support(cylinder, range, ON_LIMB.get()));
         support.unwrap_or_default().covered
     }
 }

@@ -6,15 +6,24 @@ use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_abso
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// How far the cells of a second difference are apart: structured light averages over up to 11 pixels, so that
-/// nearer cells share their error. 4 cells of 3 pixels do not.
-const LAG: usize = 4;
+constants! {
+    /// How far the cells of a second difference are apart: structured light averages over up to 11 pixels, so that
+    /// nearer cells share their error. 4 cells of 3 pixels do not.
+    LAG = 4.0, "cells";
 
-/// Where fewer cells than this share an error no window has matched them.
-const SHARED: f64 = 2.0;
+    /// Where fewer cells than this share an error no window has matched them.
+    SHARED = 2.0, "cells";
 
-/// Fewest second differences that tell something.
-const FEWEST: usize = 50;
+    /// Fewest second differences that tell something.
+    FEWEST = 50.0, "";
+
+    /// The part of the second differences of one sign from which on the image bends to one side: of a plane it is half, of a cylinder along
+    /// rows or columns three quarters, of one aslant all.
+    BENT = 0.8, "";
+
+    /// Most cells that share an error.
+    MOST_SHARED = 16.0, "cells";
+}
 
 /// What is known of the noise.
 #[derive(Debug, Clone, Copy)]
@@ -29,10 +38,6 @@ pub(super) struct Noise {
 /// The directions of second differences where the image bends to one side, in cells: about [`LAG`] long each, and at most 13 degrees
 /// from any other.
 const DIRECTIONS: [[isize; 2]; 8] = [[4, 0], [4, 2], [3, 3], [2, 4], [0, 4], [-2, 4], [-3, 3], [-4, 2]];
-
-/// The part of the second differences of one sign from which on the image bends to one side: of a plane it is half, of a cylinder along
-/// rows or columns three quarters, of one aslant all.
-const BENT: f64 = 0.8;
 
 /// Second differences of w, in every other row and in every other column: zero on planes but for noise. Curved surfaces add to
 /// the larger ones; the lower quartile, which half of the image may contradict, does not see them.
@@ -116,7 +121,7 @@ fn least_along(grid: &Grid, w: &[f64]) -> f64 {
                 }
             }
         }
-        if found.len() >= FEWEST {
+        if found.len() >= FEWEST.count() {
             least = least.min(lower_quartile_absolute(found.iter().copied()));
         }
     }
@@ -127,12 +132,12 @@ impl Noise {
     /// The noise of an image, and that of each cell; `None` where too little was measured.
     pub fn estimate(grid: &mut Grid) -> Option<Self> {
         let w: List<f64> = grid.cells.iter().map(|cell| cell.w).collect();
-        let far = differences(grid, &w, LAG);
-        if far.len() < FEWEST {
+        let far = differences(grid, &w, LAG.count());
+        if far.len() < FEWEST.count() {
             return None;
         }
         let positive = far.iter().filter(|difference| **difference > 0.0).count() as f64;
-        let bent = positive.max(far.len() as f64 - positive) > BENT * far.len() as f64;
+        let bent = positive.max(far.len() as f64 - positive) > BENT.get() * far.len() as f64;
         let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
         let deviation = lower_quartile_absolute(far.iter().copied()).min(along) / LOWER_QUARTILE;
         let nearest = median_absolute(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
@@ -148,12 +153,12 @@ impl Noise {
                 cell.sigma = deviation / (cell.w * cell.w);
             }
         }
-        Some(Self { deviation, cells_per_sample: (along * along).clamp(1.0, 16.0) })
+        Some(Self { deviation, cells_per_sample: (along * along).clamp(1.0, MOST_SHARED.get()) })
     }
 
     /// Whether neighbouring cells share their errors.
     pub fn is_shared(&self) -> bool {
-        self.cells_per_sample >= SHARED
+        self.cells_per_sample >= SHARED.get()
     }
 }
 
@@ -177,7 +182,7 @@ mod tests {
             let w: Vec<f64> = cells.iter().map(|cell| cell.w).collect();
             let bounds = Default::default();
             let grid = Grid { columns, rows, side: 3, spacing: 0.01, cells, rays, bounds, inner: Vec::new() };
-            for lag in [1, LAG, 6] {
+            for lag in [1, LAG.count(), 6] {
                 let mut plain = Vec::new();
                 let mut add = |positions: [f64; 3], which: [usize; 3]| {
                     let [a, b, c] = which.map(|k| w[k]);

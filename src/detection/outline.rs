@@ -14,20 +14,36 @@ use std::hint;
 /// Cells to either side of the outermost one of a line, among which a valley is looked for.
 const BESIDE: usize = 4;
 
-/// How deep a valley is, in standard deviations of a cell and its neighbours, and by how much the surface turns there, in radians:
-/// where equal cylinders touch it does so by half a turn, but matching windows fill the gap. Measured: docs/measurements-neighbours.md.
-const VALLEY: f64 = 4.0;
-const TURN: f64 = 0.7;
+constants! {
+    /// How deep a valley is, in standard deviations of a cell and its neighbours, and by how much the surface turns there, in radians:
+    /// where equal cylinders touch it does so by half a turn, but matching windows fill the gap. Measured: docs/measurements-neighbours.md.
+    VALLEY = 4.0, "σ";
+    TURN = 0.7, "rad";
 
-/// The pixels beyond the limb over which matching windows draw a body out: half of a window of 11.
-pub(super) const DRAWN_OUT: f64 = 5.5;
+    /// The pixels beyond the limb over which matching windows draw a body out: half of a window of 11.
+    pub(super) DRAWN_OUT = 5.5, "px";
 
-/// Where filters smoothed the step from a body to what lies behind it, and it leads down by more than `STEP` radii, its foot is a valley
-/// up to `SMOOTHED` radii beyond the limb, and up to [`DRAWN_OUT`] pixels. Measured: docs/measurements-detection.md, "Depth that filters
-/// smoothed".
-const SMOOTHED: f64 = 0.25;
-const STEP: f64 = 0.5;
+    /// Where filters smoothed the step from a body to what lies behind it, and it leads down by more than `STEP` radii, its foot is a valley
+    /// up to `SMOOTHED` radii beyond the limb, and up to [`DRAWN_OUT`] pixels. Measured: docs/measurements-detection.md, "Depth that filters
+    /// smoothed".
+    SMOOTHED = 0.25, "radius";
+    STEP = 0.5, "radius";
 
+    /// How wide a line across the axis is.
+    LINE = 1.5, "cells";
+
+    /// How far beyond the outermost cell of a line its end is looked for.
+    FARTHEST = 4.0, "cells";
+
+    /// Beyond the limb the surface goes on where the cosine of its normal and that of the cylinder is larger.
+    FACING = 0.3, "";
+
+    /// Fewest cells, itself among them, that tell the normal at a cell.
+    FEWEST = 5.0, "cells";
+
+    /// The cosine of the angle between ray and normal from which on a surface is none: steep ramps between an outline and the background.
+    STEEP = 0.3, "";
+}
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Beyond {
@@ -92,7 +108,7 @@ pub(super) fn outline(
         depth += grid.cells[k].point.z;
     }
     let width = (last - first).max(f64::MIN_POSITIVE);
-    let step = 1.5 * grid.spacing * depth / cells.len() as f64;
+    let step = LINE.get() * grid.spacing * depth / cells.len() as f64;
     let count = ((width / step) as usize).clamp(1, 1000);
     let per_width = count as f64 / width;
     // The outermost cell of each line on each side, and how far out it is.
@@ -177,7 +193,7 @@ impl Scene<'_> {
         let from = grid.position_of(k);
         let mut before = k;
         let mut smooth = 0;
-        for distance in 1..=4 {
+        for distance in 1..=FARTHEST.count() {
             let Some(next) = grid.toward(from, [dx, dy], distance) else {
                 return end(Beyond::Hidden, before);
             };
@@ -194,7 +210,7 @@ impl Scene<'_> {
                 continue;
             };
             let projection = Surface::Cylinder(*cylinder, 0.0).project(&cell.point);
-            if projection.distance > 0.0 && -normal.dot(&projection.normal) > 0.3 {
+            if projection.distance > 0.0 && -normal.dot(&projection.normal) > FACING.get() {
                 // A single cell within the outline may be the last of the cylinder itself.
                 let past = passes(cylinder, cell.x, cell.y).is_some_and(|across| across.abs() > 1.0);
                 smooth += if past { 2 } else { 1 };
@@ -223,7 +239,7 @@ impl Scene<'_> {
     fn is_strip(&self, cell: usize, outward: [f64; 2]) -> bool {
         let mut before = cell;
         let from = self.grid.position_of(cell);
-        let cells = (DRAWN_OUT / self.grid.side as f64).ceil() as usize;
+        let cells = (DRAWN_OUT.get() / self.grid.side as f64).ceil() as usize;
         for distance in 1..=cells {
             let Some(next) = self.grid.toward(from, outward, distance) else { return false };
             match self.step(before, next) {
@@ -273,9 +289,9 @@ impl Scene<'_> {
         }
         // The bottom is known to a cell.
         let one_cell = grid.spacing * cell.point.z / cylinder.radius;
-        let smoothed = SMOOTHED.min(DRAWN_OUT * one_cell / grid.side as f64).max(one_cell);
-        let outmost = |fall: f64| 1.0 + if fall > STEP * cylinder.radius { smoothed } else { one_cell };
-        let deep = VALLEY * facing * cell.sigma;
+        let smoothed = SMOOTHED.get().min(DRAWN_OUT.get() * one_cell / grid.side as f64).max(one_cell);
+        let outmost = |fall: f64| 1.0 + if fall > STEP.get() * cylinder.radius { smoothed } else { one_cell };
+        let deep = VALLEY.get() * facing * cell.sigma;
         let mut ends = (2..count).flat_map(|last| (0..last - 1).map(move |first| [first, last]));
         ends.any(|[first, last]| {
             let below = |middle: usize| depth_below(&profile[first], &profile[middle], &profile[last]);
@@ -285,7 +301,7 @@ impl Scene<'_> {
             below > deep
                 && bottom + 1 >= here
                 && across[bottom] <= outmost(profile[here].y - profile[bottom].y)
-                && slope(bottom, last) - slope(first, bottom) > TURN
+                && slope(bottom, last) - slope(first, bottom) > TURN.get()
         })
     }
 
@@ -310,14 +326,13 @@ impl Scene<'_> {
                 }
             }
         }
-        if count < 5 {
+        if count < FEWEST.count() {
             return None;
         }
         let plane = matrix.cholesky()?.solve(&vector);
         let here = &grid.cells[k];
         let (wx, wy) = (plane[1] / grid.spacing, plane[2] / grid.spacing);
         let normal = Vector3::new(wx, wy, plane[0] - here.x * wx - here.y * wy).normalize();
-        // Steep ramps between an outline and the background are no surface.
-        (normal.dot(&here.point.normalize()).abs() >= 0.3).then_some(normal)
+        (normal.dot(&here.point.normalize()).abs() >= STEEP.get()).then_some(normal)
     }
 }

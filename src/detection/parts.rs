@@ -8,22 +8,52 @@ use crate::memory::List;
 use crate::statistics::min_max;
 use nalgebra::Vector3;
 
-/// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
-const SECOND: f64 = 4.0;
+constants! {
+    /// What a second cylinder has to bring besides the penalty for its numbers, in the measure of a logarithm of odds.
+    SECOND = 4.0, "log odds";
 
-/// The part of what the smaller of two parts explains that a cylinder in place of both may fall short: each part has
-/// errors of depth in common, which a cylinder of its own takes up.
-const SHARED_PART: f64 = 0.4;
+    /// The part of what the smaller of two parts explains that a cylinder in place of both may fall short: each part has
+    /// errors of depth in common, which a cylinder of its own takes up.
+    SHARED_PART = 0.4, "";
 
-/// Scores that differ by less, as a part of the larger, say the same.
-const ALIKE: f64 = 0.9;
+    /// Scores that differ by less, as a part of the larger, say the same.
+    ALIKE = 0.9, "";
+
+    /// So far below what a second cylinder has to bring no cut between two others is looked at.
+    FAR = 3.0, "log odds";
+
+    /// Axes of parts of one cylinder differ by less: short parts know their direction badly.
+    MOST_TURN = 0.35, "rad";
+
+    /// The narrower of two parts has this part of the radius of the wider one at least.
+    LEAST_WIDTH = 0.6, "";
+
+    /// The axes of parts pass each other within this.
+    MOST_ASIDE = 1.0, "radius";
+
+    /// The middle of a part lies as near to the axis of the other one.
+    MOST_BESIDE = 1.5, "radius";
+
+    /// Two candidates are parts of one cylinder where so much of their cells is of one of them alone. Others explain the same cells in two
+    /// ways, which is for the choice to decide.
+    APART = 0.9, "";
+
+    /// What the five numbers of a second cylinder would have to bring to be worth having.
+    NUMBERS = 3.0, "log odds";
+
+    /// Through a cylinder in place of two less than this part is seen.
+    MOST_THROUGH = 0.3, "";
+
+    /// What is shorter is not cut in two: each part should be about as long as wide to tell its own radius.
+    LEAST_LENGTH = 2.0, "radius";
+
+    /// A part is a cylinder by this score.
+    GOOD = 0.5, "";
+}
 
 /// Where a cylinder is cut in two, in eighths of its cells: some first, and those between them.
 const CUTS: [usize; 5] = [2, 4, 6, 3, 5];
 const COARSE: usize = 3;
-
-/// So far below what a second cylinder has to bring no cut between two others is looked at.
-const FAR: f64 = 3.0;
 
 /// Joins parts of one cylinder that something in front divides.
 pub(super) fn join(
@@ -64,13 +94,15 @@ fn joined(
     };
     let change = one.compare(other);
     let radius = one.radius.max(other.radius);
-    // Short parts know their direction badly.
-    if change.angle > 0.35 || one.radius.min(other.radius) < 0.6 * radius || change.axis_distance > radius {
+    if change.angle > MOST_TURN.get()
+        || one.radius.min(other.radius) < LEAST_WIDTH.get() * radius
+        || change.axis_distance > MOST_ASIDE.get() * radius
+    {
         return None;
     }
     let middle = b.candidate.cells.iter().map(|&k| scene.grid.cells[k].point).sum::<Vector3<f64>>()
         / b.candidate.cells.len() as f64;
-    if one.axis.distance(&middle) > 1.5 * radius {
+    if one.axis.distance(&middle) > MOST_BESIDE.get() * radius {
         return None;
     }
     marks.next();
@@ -80,15 +112,15 @@ fn joined(
             cells.push(k);
         }
     }
-    // Overlapping candidates explain the same cells in two ways; that is for the choice to decide.
-    if cells.len() * 10 < (a.candidate.cells.len() + b.candidate.cells.len()) * 9 {
+    let both = a.candidate.cells.len() + b.candidate.cells.len();
+    if (cells.len() as f64) < APART.get() * both as f64 {
         return None;
     }
     let mut best: Option<(Look, Surface, List<usize>)> = None;
     let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
     for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
         let misfits = scene.misfits(&surface, &cells);
-        let on = cells.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH * REACH);
+        let on = cells.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH.get() * REACH.get());
         let on: List<usize> = on.map(|(&k, _)| k).collect();
         let look = scene.look(&surface, &on, marks);
         if best.as_ref().is_none_or(|(best, ..)| look.worth > best.worth) {
@@ -96,17 +128,16 @@ fn joined(
         }
     }
     let (look, surface, cells) = best?;
-    // What the second five numbers would have to bring to be worth having.
     let [less, more] = min_max(&[a.candidate.gain, b.candidate.gain]);
-    let short = less + more - 3.0 - look.worth;
-    if short > SHARED_PART * less {
+    let short = less + more - NUMBERS.get() - look.worth;
+    if short > SHARED_PART.get() * less {
         return None;
     }
     // One that explains less must be a cylinder as surely as the less sure of both, but for a little.
-    let least = if short > 0.0 { ALIKE * f64::min(a.score, b.score) } else { 0.0 };
+    let least = if short > 0.0 { ALIKE.get() * f64::min(a.score, b.score) } else { 0.0 };
     let candidate = Candidate { surface, cells, gain: look.worth, sides: a.candidate.sides };
     Judged::new(scene, (candidate, look), options, marks)
-        .filter(|judged| judged.evidence.seen_through < 0.3 && judged.score >= least)
+        .filter(|judged| judged.evidence.seen_through < MOST_THROUGH.get() && judged.score >= least)
 }
 
 /// A surface and its cells.
@@ -121,8 +152,7 @@ pub(super) fn divided(
     marks: &mut Marks,
 ) -> Option<Vec<Judged>> {
     let Candidate { surface, cells, gain, .. } = &judged.candidate;
-    // Each part should be about as long as wide to tell its own radius.
-    if judged.evidence.length < 2.0 || scene.effort.is_spent() {
+    if judged.evidence.length < LEAST_LENGTH.get() || scene.effort.is_spent() {
         return None;
     }
     let mut order: List<(f64, usize)> =
@@ -132,7 +162,7 @@ pub(super) fn divided(
     let mut best: Option<(f64, [Part; 2])> = None;
     for (tried, eighths) in CUTS.into_iter().enumerate() {
         // Between cuts that bring far too little there is none that brings enough.
-        if tried == COARSE && best.as_ref().is_some_and(|(most, _)| *most < gain + SECOND - FAR) {
+        if tried == COARSE && best.as_ref().is_some_and(|(most, _)| *most < gain + SECOND.get() - FAR.get()) {
             return None;
         }
         let (low, high) = sorted.split_at(sorted.len() * eighths / 8);
@@ -148,7 +178,7 @@ pub(super) fn divided(
         }
     }
     let (both, parts) = best?;
-    if both < gain + SECOND {
+    if both < gain + SECOND.get() {
         return None;
     }
     let mut found = Vec::new();
@@ -160,7 +190,7 @@ pub(super) fn divided(
             found.extend(Judged::new(scene, grown, options, marks));
         }
     }
-    let good = found.iter().filter(|part| part.score > 0.5).count();
+    let good = found.iter().filter(|part| part.score > GOOD.get()).count();
     // A cylinder and a remainder are no better than the whole, unless the whole was none.
-    (good == 2 || good == 1 && judged.score < 0.5).then_some(found)
+    (good == 2 || good == 1 && judged.score < GOOD.get()).then_some(found)
 }

@@ -10,14 +10,16 @@ use crate::geometry::{Cylinder, Line};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, Vector4};
 use std::f64::consts::FRAC_PI_4;
 
-/// The second derivative must be this many standard deviations from zero.
-const SIGNIFICANT: f64 = 3.0;
+constants! {
+    /// The second derivative must be this many standard deviations from zero.
+    SIGNIFICANT = 3.0, "σ";
 
-/// A strip is at least this many cells wide: what is left of a face or an edge may be as wide as two or three. It is at least so many
-/// times as long as wide, and its cells fill this part of that: in noise they hang together by chance.
-const NARROWEST: f64 = 4.0;
-const LONG: f64 = 2.0;
-const FULL: f64 = 0.9;
+    /// A strip is at least this many cells wide: what is left of a face or an edge may be as wide as two or three. It is at least so many
+    /// times as long as wide, and its cells fill this part of that: in noise they hang together by chance.
+    NARROWEST = 4.0, "cells";
+    LONG = 2.0, "";
+    FULL = 0.9, "";
+}
 
 /// The open cells connected with a seed within a window of `half` cells to each side.
 pub(super) fn collect(grid: &Grid, seed: usize, half: usize, mark: &mut Marks, cells: &mut Vec<usize>) {
@@ -81,7 +83,7 @@ pub(super) fn hypothesis(
     // The covariance of the last numbers is the inverse of the last block of the factor times its transpose.
     let of_bend = decomposition.l_dirty().fixed_view::<3, 3>(3, 3).solve_lower_triangular(&row)?;
     let uncertainty = deviation * squared_size * (cells_per_sample * of_bend.norm_squared()).sqrt();
-    if bend.abs() < SIGNIFICANT * uncertainty {
+    if bend.abs() < SIGNIFICANT.get() * uncertainty {
         return None;
     }
     // Value, position and normal of the quadratic surface at a position.
@@ -146,8 +148,8 @@ pub(super) fn strip(grid: &Grid, moments: &Moments) -> Option<Cylinder> {
     let (short, long) = if extents.eigenvalues[0] < extents.eigenvalues[1] { (0, 1) } else { (1, 0) };
     // Those of a uniform stretch.
     let [width, length] = [short, long].map(|k| (12.0 * extents.eigenvalues[k]).sqrt());
-    let is_full = moments.count() >= FULL * width * length;
-    if !(width >= NARROWEST && length >= LONG * width && is_full) {
+    let is_full = moments.count() >= FULL.get() * width * length;
+    if !(width >= NARROWEST.get() && length >= LONG.get() * width && is_full) {
         return None;
     }
     let (plane, _) = moments.plane()?;

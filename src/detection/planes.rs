@@ -12,30 +12,38 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 /// Cells along the side of a block, the smallest piece that a plane starts from.
 const BLOCK: usize = 4;
 
-/// A cell belongs to a plane within this many standard deviations.
-const REACH: f64 = 3.0;
+constants! {
+    /// A cell belongs to a plane within this many standard deviations.
+    REACH = 3.0, "σ";
 
-/// Fewest cells of a plane: four blocks.
-const FEWEST: usize = 4 * BLOCK * BLOCK;
+    /// Fewest cells of a plane: four blocks.
+    FEWEST = (4 * BLOCK * BLOCK) as f64, "cells";
 
-/// The most that a plane may bend between its middle and its border, in standard deviations: a strip of a cylinder,
-/// which ends where the surface leaves the reach of its plane, bends by two thirds of the 2 · REACH that it spans.
-const FLAT: f64 = 1.5;
+    /// The most that a plane may bend between its middle and its border, in standard deviations: a strip of a cylinder,
+    /// which ends where the surface leaves the reach of its plane, bends by two thirds of the 2 · REACH that it spans.
+    FLAT = 1.5, "σ";
 
-/// The most that the cells of a plane may spread, in standard deviations: where the plane only passes through curved
-/// bodies side by side, cells fill its reach evenly, which gives 1.7.
-const SPREAD: f64 = 1.4;
+    /// The most that the cells of a plane may spread, in standard deviations: where the plane only passes through curved
+    /// bodies side by side, cells fill its reach evenly, which gives 1.7.
+    SPREAD = 1.4, "σ";
 
-/// The same for planes narrower than [`WIDE`]. A strip that bends by [`FLAT`] gives 1.1; what cuts through a body and goes on over
-/// the table that it stands on gives more than this, though it does not bend.
-const SPREAD_OF_NARROW: f64 = 1.3;
+    /// The same for planes narrower than [`WIDE`]. A strip that bends by [`FLAT`] gives 1.1; what cuts through a body and goes on over
+    /// the table that it stands on gives more than this, though it does not bend.
+    SPREAD_OF_NARROW = 1.3, "σ";
 
-/// What is wider, in cells, is no part of a body: a third of the image.
-const WIDE: f64 = 60.0;
+    /// What is wider, in cells, is no part of a body: a third of the image.
+    WIDE = 60.0, "cells";
 
-/// The least width of a plane in cells. Strips that bend less than [`FLAT`] are facets of any cylinder with a radius of
-/// up to 125 pixels, but narrower than this.
-const NARROWEST: f64 = 10.0;
+    /// The least width of a plane in cells. Strips that bend less than [`FLAT`] are facets of any cylinder with a radius of
+    /// up to 125 pixels, but narrower than this.
+    NARROWEST = 10.0, "cells";
+
+    /// The most that the cells of a block may spread about its plane, and about that which grows over it.
+    OF_BLOCK = 2.0, "σ";
+
+    /// The part of the cells of a block that must be measured.
+    MEASURED = 0.75, "";
+}
 
 /// Sums over cells for the plane w = a + b x + c y through them: their number, and those of x, y, x², xy, y², w, xw, yw
 /// and w².
@@ -112,7 +120,7 @@ pub(super) fn find_planes(grid: &Grid, noise: &Noise, effort: &Effort<'_>) -> Ve
         };
         // A seed that leads nowhere is not tried again, its neighbours are.
         taken[seed] = true;
-        if members.len() * BLOCK * BLOCK < FEWEST {
+        if members.len() * BLOCK * BLOCK < FEWEST.count() {
             continue;
         }
         let start = (seed % columns, seed / columns);
@@ -141,11 +149,11 @@ fn block(grid: &Grid, column: usize, row: usize, noise: &Noise) -> Option<(Plane
             }
         }
     }
-    if 4.0 * sums.count() < 3.0 * (BLOCK * BLOCK) as f64 {
+    if sums.count() < MEASURED.get() * (BLOCK * BLOCK) as f64 {
         return None;
     }
     let (_, rms) = sums.solve()?;
-    (rms <= 2.0 * noise.deviation).then_some((sums, rms))
+    (rms <= OF_BLOCK.get() * noise.deviation).then_some((sums, rms))
 }
 
 /// Grows a plane over neighbouring blocks.
@@ -182,7 +190,7 @@ fn grow(
             // The mean square distance of the block from the plane, by its sums.
             let square =
                 block.squares() - 2.0 * plane.dot(&block.vector()) + plane.dot(&(block.matrix() * plane));
-            if square / block.count() <= (2.0 * noise.deviation).powi(2) {
+            if square / block.count() <= (OF_BLOCK.get() * noise.deviation).powi(2) {
                 seen.set(neighbour);
                 members.push(neighbour);
                 sums.join(block);
@@ -208,7 +216,7 @@ fn settle(
     let mut found = None;
     for _ in 0..2 {
         let cells = flood(grid, noise, &plane, (column, row), owner, seen);
-        if cells.len() < FEWEST {
+        if cells.len() < FEWEST.count() {
             return None;
         }
         let moments = Moments::new(grid, &cells);
@@ -218,18 +226,18 @@ fn settle(
     }
     let (cells, moments, spread) = found?;
     let width = width(&moments);
-    if !(width >= NARROWEST) {
+    if !(width >= NARROWEST.get()) {
         return None;
     }
-    let most_spread = if width < WIDE { SPREAD_OF_NARROW } else { SPREAD };
-    if spread > most_spread * noise.deviation || bend(&moments)? > FLAT * noise.deviation {
+    let most_spread = if width < WIDE.get() { SPREAD_OF_NARROW.get() } else { SPREAD.get() };
+    if spread > most_spread * noise.deviation || bend(&moments)? > FLAT.get() * noise.deviation {
         return None;
     }
     // What cuts through a body goes on over the table that it meets as a thin line, which hides how the rest bends.
     let bend_of_core = bend(&Moments::new(grid, &core(grid, &cells)));
     // Where it cuts into a body that crosses this one, the few cells beside the strip hide that, too.
     let bends = [bend_of_core, bend_of_squares(grid, &moments, &cells)];
-    bends.into_iter().flatten().all(|bend| bend <= FLAT * noise.deviation).then_some(cells)
+    bends.into_iter().flatten().all(|bend| bend <= FLAT.get() * noise.deviation).then_some(cells)
 }
 
 /// How far cells bend across their longer extent, as [`bend`]: the median of the squares into which they are cut along it.
@@ -275,7 +283,7 @@ fn flood(
         let cell = &grid.cells[k];
         owner[k] == 0
             && cell.measured()
-            && (plane.dot(&Vector3::new(1.0, cell.x, cell.y)) - cell.w).abs() <= REACH * noise.deviation
+            && (plane.dot(&Vector3::new(1.0, cell.x, cell.y)) - cell.w).abs() <= REACH.get() * noise.deviation
     };
     seen.next();
     let mut cells = List::new();
@@ -382,7 +390,7 @@ mod tests {
         let strip: Vec<usize> = whole.iter().copied().filter(|k| k % columns < 13).collect();
         let moments = |cells: &[usize]| Moments::new(&grid, cells);
         assert!(bend(&moments(&strip)).unwrap() > 2.5);
-        assert!(bend(&moments(&whole)).unwrap() < FLAT);
+        assert!(bend(&moments(&whole)).unwrap() < FLAT.get());
         let of_squares = bend_of_squares(&grid, &moments(&whole), &whole).unwrap();
         assert!((2.5..3.5).contains(&of_squares), "{of_squares}");
         assert_eq!(bend_of_squares(&grid, &moments(&strip[..13 * 30]), &strip[..13 * 30]), None);

@@ -15,9 +15,19 @@ use crate::memory::List;
 use crate::observations::{DepthImage, Mask};
 use std::ops::Range;
 
-/// How far around a mask is looked at, in cells: what lies beside a body tells whether it ends there, and the noise of
-/// the depth is estimated from all of it.
-const MARGIN: usize = 16;
+constants! {
+    /// How far around a mask is looked at, in cells: what lies beside a body tells whether it ends there, and the noise of
+    /// the depth is estimated from all of it.
+    MARGIN = 16.0, "cells";
+
+    /// By how much limits are widened: the cylinder is only to tell the body from the rest. Depth makes the radius up to a third
+    /// too large, and caps tell the direction to 0.15 radians.
+    RADIUS_ERROR = 1.33, "";
+    DIRECTION_ERROR = 0.15, "rad";
+
+    /// The gain times the score of a cylinder at least: with less, all of the mask is as good a guess.
+    LEAST_WORTH = 0.3, "log odds";
+}
 
 /// The most that a search may do, patches and all. Of 524 masks of whole objects one in a hundred reaches it, and the median takes a
 /// twentieth of it.
@@ -27,14 +37,6 @@ const VISITS: u64 = 3_000_000;
 /// Seeds lie half the side of a patch divided by this apart: in a scene one, but a mask is small, and of a body of which little is
 /// seen few patches lie on nothing else. With three candidates a cell radii were worse: docs/performance-history.md.
 const SEEDS: Seeds = Seeds { density: 4, most_visits: 4, strips: false };
-
-/// By how much limits are widened: the cylinder is only to tell the body from the rest. Depth makes the radius up to a third
-/// too large, and caps tell the direction to 0.15 radians.
-const RADIUS_ERROR: f64 = 1.33;
-const DIRECTION_ERROR: f64 = 0.15;
-
-/// The gain times the score of a cylinder at least: with less, all of the mask is as good a guess.
-const LEAST_WORTH: f64 = 0.3;
 
 /// The cylinder that explains the depth in a mask best, whatever else is in the mask: caps, inner walls, things in
 /// front, or else that of a cap. `None` where all of the mask is as good a guess. Asks `stopped` all along.
@@ -77,15 +79,16 @@ pub(crate) fn detect_in_mask(
         let grown = scene.grow(&Surface::Cylinder(*body, 0.0), &open, Sides::Outline, &mut marks)?;
         Judged::new(&scene, grown, &options, &mut marks)
     });
-    let mut found: Vec<Judged> = grown.filter(|judged| judged.score > LEAST_SCORE).collect();
+    let mut found: Vec<Judged> = grown.filter(|judged| judged.score > LEAST_SCORE.get()).collect();
     found.extend(candidates(&scene, &options, SEEDS, &mut explained, &mut marks));
     let mut found = distinct(found);
     effort.limit(VISITS);
     parts::join(&scene, &mut found, &options, &mut marks);
     let worth = |k: usize| found[k].score * found[k].candidate.gain;
     cancelled_if(effort.is_stopped())?;
-    let best =
-        (0..found.len()).filter(|&k| worth(k) >= LEAST_WORTH).max_by(|&a, &b| worth(a).total_cmp(&worth(b)));
+    let best = (0..found.len())
+        .filter(|&k| worth(k) >= LEAST_WORTH.get())
+        .max_by(|&a, &b| worth(a).total_cmp(&worth(b)));
     Ok(match best.map(|best| found[best].candidate.surface) {
         Some(Surface::Cylinder(cylinder, _)) => Some(cylinder),
         _ => caps::most_covered(&scene, &bodies, &open),
@@ -101,7 +104,7 @@ fn cells_around(
     side: usize,
 ) -> (Grid, [usize; 2]) {
     let size = camera.size();
-    let margin = MARGIN * side;
+    let margin = MARGIN.count() * side;
     let (columns, rows) = mask.bounds();
     // Whole cells of the grid of the image.
     let start = |first: usize| first.saturating_sub(margin) / side * side;
@@ -120,5 +123,5 @@ fn cells_around(
 
 /// Limits within which a rough cylinder is looked for.
 pub(crate) fn widened(limits: &CylinderLimits) -> CylinderLimits {
-    limits.widened([1.0 / RADIUS_ERROR, RADIUS_ERROR], DIRECTION_ERROR)
+    limits.widened([1.0 / RADIUS_ERROR.get(), RADIUS_ERROR.get()], DIRECTION_ERROR.get())
 }

@@ -2,49 +2,89 @@
 
 use super::Evidence;
 
-/// The radius of a cone must change by this part over what is seen of it to be told from a cylinder: cups taper by
-/// more, and depth next to outlines bends a short cylinder by nearly as much.
-const TAPERED: f64 = 0.2;
+constants! {
+    /// The radius of a cone must change by this part over what is seen of it to be told from a cylinder: cups taper by
+    /// more, and depth next to outlines bends a short cylinder by nearly as much.
+    TAPERED = 0.2, "";
 
-/// The sides of a cylinder tell as much as this many independent samples at most.
-const MOST_SAMPLES: f64 = 8.0;
+    /// The sides of a cylinder tell as much as this many independent samples at most.
+    MOST_SAMPLES = 8.0, "";
 
-/// The least slope of the side of a cup or a cone: 1.7 degrees.
-const SLOPE: f64 = 0.03;
+    /// The least slope of the side of a cup or a cone: 1.7 degrees.
+    SLOPE = 0.03, "";
 
-/// Evidence that a slope of the side takes away: of the cylinders in rendered scenes one in ten seems to have a slope
-/// of 0.06 or more, of cones and other bodies that passed for one, three in four.
-const SLANT: f64 = 50.0;
+    /// Evidence that a slope of the side takes away: of the cylinders in rendered scenes one in ten seems to have a slope
+    /// of 0.06 or more, of cones and other bodies that passed for one, three in four.
+    SLANT = 50.0, "log odds";
 
-/// Slopes of less than this are none.
-const LEAST_SLOPE: f64 = 0.02;
+    /// Slopes of less than this are none.
+    LEAST_SLOPE = 0.02, "";
 
-/// The parts of both limbs together that edges cover where the limbs are known to be straight and parallel.
-const BOTH_LIMBS: f64 = 1.2;
+    /// The parts of both limbs together that edges cover where the limbs are known to be straight and parallel.
+    BOTH_LIMBS = 1.2, "limb";
 
-/// A cone is a rarer body than a cylinder, and what depth does next to outlines looks like one: logarithm of the odds.
-const CONE_PRIOR: f64 = 3.0;
+    /// A cone is a rarer body than a cylinder, and what depth does next to outlines looks like one: logarithm of the odds.
+    CONE_PRIOR = 3.0, "log odds";
 
-/// Evidence where nothing lies beyond the limbs. It falls to zero where about three pixels do.
-const OVERHANG: f64 = 10.0;
+    /// Evidence where nothing lies beyond the limbs. It falls to zero where about three pixels do.
+    OVERHANG = 10.0, "log odds";
 
-/// More evidence than this tells nothing more: what is left is what no model here knows.
-const MOST: f64 = 4.0;
+    /// More evidence than this tells nothing more: what is left is what no model here knows.
+    MOST = 4.0, "log odds";
 
-/// Cylinders longer than this many radii are no more certain for it.
-const LONG: f64 = 6.0;
+    /// Cylinders longer than this many radii are no more certain for it.
+    LONG = 6.0, "radius";
 
-/// The standard deviation of the slopes of bodies that count as cylinders, and of what depth drifts along them: trunks and cast columns
-/// taper by a hundredth, which many points tell for certain.
-const USUAL_SLOPE: f64 = 0.01;
+    /// The standard deviation of the slopes of bodies that count as cylinders, and of what depth drifts along them: trunks and cast columns
+    /// taper by a hundredth, which many points tell for certain.
+    USUAL_SLOPE = 0.01, "";
 
-/// Odds, standard deviations of a slope and slopes beyond these tell nothing more.
-const MOST_ODDS: f64 = 1e4;
-const MOST_DEVIATIONS: f64 = 6.0;
-const STEEP: f64 = 0.3;
+    /// Odds, standard deviations of a slope and slopes beyond these tell nothing more.
+    MOST_ODDS = 1e4, "log odds";
+    MOST_DEVIATIONS = 6.0, "σ";
+    STEEP = 0.3, "";
 
-/// Standard deviations of a radius, as a part of it, that count: better is luck, worse tells nothing more.
-const DEVIATIONS: [f64; 2] = [5e-4, 0.3];
+    /// The odds of a cylinder where its depth may as well be flat: of bodies with two straight parallel sides one in fifty is a bar
+    /// or a board. The odds of the depth multiply these; whatever else is known of a body, a flat one shows it, too.
+    ROUND = 50.0, "odds";
+
+    /// From a standard deviation of the depth of a cell on that is this part of the radius, these odds are even: the front of a cylinder lies
+    /// within one radius of depth, so that noise hides its shape, and straight sides may be chance. Rendered boards and pipes tell where.
+    HIDDEN = 0.4, "radius";
+
+    /// A fit is taken to multiply the odds of a cylinder by less than this. In those scenes it does so by up to 15 by depth alone and by
+    /// up to 20 with an image in 99.8 of 100 candidates; with 17 nothing more is found in ../shared/scenes.
+    MOST_BY_FIT = 13.0, "odds";
+
+    /// The same where the depth shows both limbs, but edges cover less than [`COVERED`] of them together: in recorded scenes, where depth
+    /// lies pixels beside the image, limbs may be located by the fit alone.
+    MOST_BY_LIMBS = 40.0, "odds";
+    COVERED = 1.0, "limb";
+
+    /// The depth shows a limb where so much of it is visible.
+    SHOWN = 0.5, "";
+
+    /// Standard deviations of a radius, as a part of it, that count: better is luck, worse tells nothing more.
+    LEAST_DEVIATION = 5e-4, "radius";
+    MOST_DEVIATION = 0.3, "radius";
+
+    /// One side in twenty of a cylinder, but three in five of an edge seem to go on smoothly: ln(0.95 / 0.4) for one that does not, and
+    /// −ln(0.05 / 0.6) against one that does.
+    AT_LIMB = 0.87, "log odds";
+    BEYOND_LIMB = 2.48, "log odds";
+
+    /// Likewise one cell in twenty is seen through, or one in three.
+    ON_SURFACE = 0.35, "log odds";
+    THROUGH = 2.2, "log odds";
+
+    /// Evidence of each radius of what is covered across the axis beyond the least: less than half of the width tells little of a circle.
+    ACROSS = 12.0, "log odds";
+    LEAST_ACROSS = 0.8, "radius";
+
+    /// Evidence that each pixel beyond the limbs takes away: fattening makes two pixels of them, an edge that is taken for a thin cylinder
+    /// more.
+    OF_OVERHANG = 3.0, "log odds/px";
+}
 
 /// What [`Evidence::terms`] count in the logarithm of the odds, and what is added to that. After a fit: by logistic
 /// regressions on the candidates in scenes of the twin, from the example `score_weights` before located limbs told the slope and [`USUAL_SLOPE`] counted. Before it, where the search takes
@@ -74,29 +114,9 @@ const IMAGE_FITTED: Weights = Weights {
     constant: -1.05,
 };
 
-/// The odds of a cylinder where its depth may as well be flat: of bodies with two straight parallel sides one in fifty is a bar
-/// or a board. The odds of the depth multiply these; whatever else is known of a body, a flat one shows it, too.
-const ROUND: f64 = 50.0;
-
-/// From a standard deviation of the depth of a cell on that is this part of the radius, these odds are even: the front of a cylinder lies
-/// within one radius of depth, so that noise hides its shape, and straight sides may be chance. Rendered boards and pipes tell where.
-const HIDDEN: f64 = 0.4;
-
-/// A fit is taken to multiply the odds of a cylinder by less than this. In those scenes it does so by up to 15 by depth alone and by
-/// up to 20 with an image in 99.8 of 100 candidates; with 17 nothing more is found in ../shared/scenes.
-const MOST_BY_FIT: f64 = 13.0;
-
-/// The same where the depth shows both limbs, but edges cover less than [`COVERED`] of them together: in recorded scenes, where depth
-/// lies pixels beside the image, limbs may be located by the fit alone.
-const MOST_BY_LIMBS: f64 = 40.0;
-const COVERED: f64 = 1.0;
-
-/// The depth shows a limb where so much of it is visible.
-const SHOWN: f64 = 0.5;
-
 /// The least score before a fit that the fit may raise to a given one.
 pub(crate) fn least_before_fit(score: f64, has_image: bool) -> f64 {
-    with_odds_divided(score, if has_image { MOST_BY_LIMBS } else { MOST_BY_FIT })
+    with_odds_divided(score, if has_image { MOST_BY_LIMBS.get() } else { MOST_BY_FIT.get() })
 }
 
 /// The probability whose odds are those of a score divided by a number.
@@ -115,7 +135,7 @@ impl Evidence {
             (Some(_), Some(_)) => IMAGE_FITTED,
         };
         let sum: f64 = weights.terms.iter().zip(self.terms()).map(|(weight, term)| weight * term).sum();
-        let sides = if self.scatter < HIDDEN { ROUND.ln() } else { 0.0 };
+        let sides = if self.scatter < HIDDEN.get() { ROUND.get().ln() } else { 0.0 };
         let round = sides + self.over_flat();
         1.0 / (1.0 + (-sum - weights.constant).exp() + (-round).exp())
     }
@@ -128,8 +148,8 @@ impl Evidence {
 
     /// Whether a fit may raise the score before it to a given one.
     pub(crate) fn may_reach(&self, score: f64) -> bool {
-        let uncovered = self.limbs.is_some_and(|limbs| limbs.iter().sum::<f64>() < COVERED);
-        let shown = self.visible.iter().all(|part| *part >= SHOWN);
+        let uncovered = self.limbs.is_some_and(|limbs| limbs.iter().sum::<f64>() < COVERED.get());
+        let shown = self.visible.iter().all(|part| *part >= SHOWN.get());
         self.score() >= least_before_fit(score, uncovered && shown)
     }
 
@@ -139,19 +159,19 @@ impl Evidence {
     /// of the radius in pixels. What is not known is 0.
     #[must_use]
     pub fn terms(&self) -> [f64; 12] {
-        let [least, most] = DEVIATIONS;
+        let [least, most] = [LEAST_DEVIATION.get(), MOST_DEVIATION.get()];
         let [slope, uncertainty] = self.slope.unwrap_or([0.0, f64::INFINITY]).map(f64::abs);
-        let sphere = self.over_sphere.clamp(-MOST_ODDS, MOST_ODDS);
+        let sphere = self.over_sphere.clamp(-MOST_ODDS.get(), MOST_ODDS.get());
         [
             self.depth(),
             self.shape(),
             self.rms,
-            self.length.min(LONG),
-            self.seen_through * self.side_samples.min(MOST_SAMPLES),
+            self.length.min(LONG.get()),
+            self.seen_through * self.side_samples.min(MOST_SAMPLES.get()),
             self.limbs.map_or(0.0, |[a, b]| a + b),
             self.radius_deviation.map_or(0.0, |deviation| deviation.clamp(least, most).ln()),
-            (slope / uncertainty.hypot(USUAL_SLOPE)).min(MOST_DEVIATIONS),
-            slope.min(STEEP),
+            (slope / uncertainty.hypot(USUAL_SLOPE.get())).min(MOST_DEVIATIONS.get()),
+            slope.min(STEEP.get()),
             sphere.signum() * sphere.abs().ln_1p(),
             self.visible[0].max(self.visible[1]),
             self.radius_pixels.max(1.0).ln(),
@@ -161,7 +181,7 @@ impl Evidence {
     /// The evidence of the depth that something is round: the logarithm of the odds against nothing, a plane, and two
     /// planes that meet, whichever is least.
     fn depth(&self) -> f64 {
-        self.gain.min(self.over_flat()).clamp(-MOST, MOST)
+        self.gain.min(self.over_flat()).clamp(-MOST.get(), MOST.get())
     }
 
     /// The logarithm of the odds against a plane and two planes that meet.
@@ -173,28 +193,26 @@ impl Evidence {
     /// in an image say the same.
     pub(super) fn shape(&self) -> f64 {
         // Along a contact with another body, or a long straight side, neighbouring lines end in the same way.
-        let samples = self.side_samples.min(MOST_SAMPLES);
-        // One side in twenty of a cylinder, but three in five of an edge seem to go on smoothly; the logarithms of the
-        // likelihood ratios are ln(0.95 / 0.4) and ln(0.05 / 0.6).
-        let sides = samples * (0.87 * (1.0 - self.open_sides) - 2.48 * self.open_sides);
-        // Likewise one cell in twenty, or one in three.
-        let through = self.side_samples * (0.35 * (1.0 - self.seen_through) - 2.2 * self.seen_through);
+        let samples = self.side_samples.min(MOST_SAMPLES.get());
+        let sides = samples * (AT_LIMB.get() * (1.0 - self.open_sides) - BEYOND_LIMB.get() * self.open_sides);
+        let through = self.side_samples
+            * (ON_SURFACE.get() * (1.0 - self.seen_through) - THROUGH.get() * self.seen_through);
         // Depth that drifts over a long pipe tapers it as well, but not by a degree or two.
-        let tapers = self.taper.abs() > TAPERED && self.taper.abs() > SLOPE * self.length;
-        let cone = if tapers { self.over_cone + CONE_PRIOR } else { f64::INFINITY };
+        let tapers = self.taper.abs() > TAPERED.get() && self.taper.abs() > SLOPE.get() * self.length;
+        let cone = if tapers { self.over_cone + CONE_PRIOR.get() } else { f64::INFINITY };
         // Depth next to outlines tapers a short cylinder too, but rarely by as much as a cup.
         let slope = self.taper.abs() / self.length.max(f64::MIN_POSITIVE);
         // Edges along both limbs of a cylinder are along none of a cone.
-        let straight = self.limbs.is_some_and(|[a, b]| a + b > BOTH_LIMBS);
-        let slant = if straight { MOST } else { MOST - SLANT * (slope - LEAST_SLOPE) };
-        // Less than half of the width tells little of a circle; from inside the whole wall may be seen.
-        let covered = 12.0 * (self.across[1] - self.across[0] - 0.8);
-        // Cells beyond the limbs: fattening makes two pixels of them, an edge that is taken for a thin cylinder more.
-        let overhang = OVERHANG - 3.0 * self.overhang;
+        let straight = self.limbs.is_some_and(|[a, b]| a + b > BOTH_LIMBS.get());
+        let slant =
+            if straight { MOST.get() } else { MOST.get() - SLANT.get() * (slope - LEAST_SLOPE.get()) };
+        // From inside the whole wall may be seen.
+        let covered = ACROSS.get() * (self.across[1] - self.across[0] - LEAST_ACROSS.get());
+        let overhang = OVERHANG.get() - OF_OVERHANG.get() * self.overhang;
         [covered, overhang, self.over_sphere, cone, slant, sides, through]
             .into_iter()
             .fold(f64::INFINITY, f64::min)
-            .clamp(-MOST, MOST)
+            .clamp(-MOST.get(), MOST.get())
     }
 }
 

@@ -4,7 +4,7 @@ use super::candidate::{Candidate, Look, Marks, Scene, Sides};
 use super::effort::Effort;
 use super::evidence::Evidence;
 use super::grid::Grid;
-use super::limb_pairs::{ImageEdges, ON_LIMB};
+use super::limb_pairs::ImageEdges;
 use super::moments::Moments;
 use super::noise::Noise;
 use super::surface::Surface;
@@ -17,23 +17,62 @@ use nalgebra::Vector2;
 /// a cylinder as wide as the image.
 const SIZES: [usize; 4] = [2, 4, 8, 14];
 
-/// The least radius in cells: where a body is less than 10 pixels wide, depth mixes it with what is beside it, and the
-/// edge of a box is as round.
-const THINNEST: f64 = 1.7;
+constants! {
+    /// The least radius in cells: where a body is less than 10 pixels wide, depth mixes it with what is beside it, and the
+    /// edge of a box is as round.
+    THINNEST = 1.7, "cells";
 
-/// How far the direction of a short cylinder may be off, in radians: the fit has to keep to a known direction, the
-/// search does not.
-const DIRECTION_ERROR: f64 = 0.1;
+    /// How far the direction of a short cylinder may be off, in radians: the fit has to keep to a known direction, the
+    /// search does not.
+    DIRECTION_ERROR = 0.1, "rad";
 
-/// Patches must have this part of the cells of a full one, or lie on a narrow body.
-const FEWEST: usize = 12;
+    /// Patches must have this part of the cells of a full one, or lie on a narrow body.
+    FEWEST = 12.0, "cells";
+
+    /// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
+    /// better explanation wins, unless it is no cylinder.
+    LEAST_SHARE = 0.25, "";
+
+    /// A cylinder that grew from a strip is at most this many times as wide as that: otherwise it was a strip of something wider.
+    WIDER = 1.5, "";
+
+    /// Pairs of edges that differ by less than this, in radians and by parts of the radius, are the same limbs.
+    ALIKE = 0.08, "";
+
+    /// The part of both limbs together that edges next to a pair must cover.
+    COVERED = 0.6, "limb";
+
+    /// Candidates with less are forgotten.
+    pub(super) LEAST_SCORE = 0.01, "";
+
+    /// With this score what is explained is not explained again.
+    CERTAIN = 0.9, "";
+
+    /// How far the limbs of a cylinder by depth alone may be from the edges in the image, in pixels: depth is drawn out by
+    /// two.
+    FAR_FROM_LIMB = 4.0, "px";
+
+    /// With this score the cells of what a patch led to start nothing else.
+    EXPLAINED = 0.5, "";
+
+    /// What explains less is not looked at closely.
+    LEAST_GAIN = 5.0, "log odds";
+
+    /// A pair of edges is not looked at where so much of the depth between them is explained.
+    KNOWN = 0.8, "";
+
+    /// How far edges may be from the limbs of a cylinder by a pair of them.
+    PAIR_REACH = 3.0, "px";
+
+    /// Of which others explain all but this part is not divided.
+    LITTLE_LEFT = 0.2, "";
+
+    /// What others explain more of than all but this part is dropped.
+    ENOUGH_LEFT = 0.6, "";
+}
 
 /// The column and the row of pixels at a position on the plane z = 1.
 pub(super) type PixelOf<'a> = dyn Fn(&Vector2<f64>) -> Option<(usize, usize)> + 'a;
-
-/// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
-/// better explanation wins, unless it is no cylinder.
-const LEAST_SHARE: f64 = 0.25;
 
 /// Where patches begin.
 #[derive(Clone, Copy)]
@@ -49,27 +88,8 @@ pub(super) struct Seeds {
 /// Those of a whole scene.
 const SEEDS: Seeds = Seeds { density: 1, most_visits: 3, strips: false };
 
-/// A cylinder that grew from a strip is at most this many times as wide as that: otherwise it was a strip of something wider.
-const WIDER: f64 = 1.5;
-
-/// Pairs of edges that differ by less than this, in radians and by parts of the radius, are the same limbs.
-const ALIKE: f64 = 0.08;
-
 /// Most pairs of edges that are looked at closely, the longest first: a bound on the time.
 const MOST_PAIRS: usize = 200;
-
-/// The part of both limbs together that edges next to a pair must cover.
-const COVERED: f64 = 0.6;
-
-/// Candidates with less are forgotten.
-pub(super) const LEAST_SCORE: f64 = 0.01;
-
-/// With this score what is explained is not explained again.
-const CERTAIN: f64 = 0.9;
-
-/// How far the limbs of a cylinder by depth alone may be from the edges in the image, in pixels: depth is drawn out by
-/// two.
-const FAR_FROM_LIMB: f64 = 4.0;
 
 /// Visits up to which each stage may go: pairs, patches, edges, joining, dividing, choice. What one leaves is for the next.
 /// The frames of ../shared/scenes take up to 2.2, 3.5, 4.2, 4.2, 5.4 and 5.4 million; scenes with more bodies than an image
@@ -149,7 +169,9 @@ pub(super) fn search(
 /// Whether two cylinders are nearly one.
 fn same(a: &Cylinder, b: &Cylinder) -> bool {
     let change = a.compare(b);
-    change.angle < ALIKE && change.radius_relative.abs() < ALIKE && change.axis_distance < ALIKE * a.radius
+    change.angle < ALIKE.get()
+        && change.radius_relative.abs() < ALIKE.get()
+        && change.axis_distance < ALIKE.get() * a.radius
 }
 
 /// The best of candidates that are alike.
@@ -203,7 +225,7 @@ impl Judged {
 
     /// Which of the candidates that explain the same cells is chosen: the one of the highest priority.
     fn priority(&self) -> f64 {
-        self.candidate.gain * (LEAST_SHARE + (1.0 - LEAST_SHARE) * self.score)
+        self.candidate.gain * (LEAST_SHARE.get() + (1.0 - LEAST_SHARE.get()) * self.score)
     }
 }
 
@@ -230,7 +252,7 @@ pub(super) fn candidates(
                     continue;
                 }
                 patch::collect(grid, seed, half, marks, &mut cells);
-                if cells.len() < FEWEST {
+                if cells.len() < FEWEST.count() {
                     continue;
                 }
                 if scene.effort.is_spent() {
@@ -250,11 +272,11 @@ pub(super) fn candidates(
                             return None;
                         };
                         cells.iter().for_each(|&k| in_strips[k] = true);
-                        let widest = WIDER * start.radius;
+                        let widest = WIDER.get() * start.radius;
                         judged_from(scene, (&start, widest), &cells, options, &mut visits, marks)
                     });
                 let Some(judged) = judged else { continue };
-                if judged.score > 0.5 {
+                if judged.score > EXPLAINED.get() {
                     judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
                 }
                 found.push(judged);
@@ -277,11 +299,11 @@ fn by_edges(
     }
     for judged in found.iter().take_while(|_| !scene.effort.is_spent()) {
         let Candidate { surface, cells, gain, .. } = &judged.candidate;
-        let sides = Sides::Edges { reach: FAR_FROM_LIMB };
+        let sides = Sides::Edges { reach: FAR_FROM_LIMB.get() };
         let Some(grown) = scene.grow(surface, cells, sides, marks) else { continue };
         if grown.0.gain > *gain {
-            let judged = Judged::with_score(scene, grown, LEAST_SCORE, options, marks);
-            moved.extend(judged.filter(|judged| judged.score > LEAST_SCORE));
+            let judged = Judged::with_score(scene, grown, LEAST_SCORE.get(), options, marks);
+            moved.extend(judged.filter(|judged| judged.score > LEAST_SCORE.get()));
         }
     }
     moved
@@ -306,29 +328,31 @@ fn by_pairs(
         }
         let known = pair.cells.iter().filter(|&&k| explained[k]).count();
         // Edges are pieces of limbs, and many pairs of pieces are the same limbs.
-        if tried.iter().any(|other| same(other, &pair.cylinder)) || known * 5 > pair.cells.len() * 4 {
+        if tried.iter().any(|other| same(other, &pair.cylinder))
+            || known as f64 > KNOWN.get() * pair.cells.len() as f64
+        {
             continue;
         }
         tried.push(pair.cylinder);
         let range = scene.range(&pair.cylinder, &pair.cells);
-        let support = scene.support(&pair.cylinder, range, 2.0 * ON_LIMB).unwrap_or_default();
-        if support.covered.iter().sum::<f64>() < COVERED {
+        let support = scene.support(&pair.cylinder, range, PAIR_REACH.get()).unwrap_or_default();
+        if support.covered.iter().sum::<f64>() < COVERED.get() {
             continue;
         }
         grown += 1;
-        let sides = Sides::Edges { reach: 2.0 * ON_LIMB };
+        let sides = Sides::Edges { reach: PAIR_REACH.get() };
         let start = Surface::Cylinder(pair.cylinder, 0.0);
         let Some(grown) = scene.grow(&start, &pair.cells, sides, marks) else { continue };
-        let Some(judged) = Judged::with_score(scene, grown, LEAST_SCORE, options, marks) else {
+        let Some(judged) = Judged::with_score(scene, grown, LEAST_SCORE.get(), options, marks) else {
             continue;
         };
         if let Surface::Cylinder(cylinder, _) = judged.candidate.surface {
             tried.push(cylinder);
         }
-        if judged.score > CERTAIN {
+        if judged.score > CERTAIN.get() {
             judged.candidate.cells.iter().for_each(|&k| explained[k] = true);
         }
-        if judged.score > LEAST_SCORE {
+        if judged.score > LEAST_SCORE.get() {
             found.push(judged);
         }
     }
@@ -341,11 +365,11 @@ fn plausible(scene: &Scene<'_>, candidate: &Candidate, options: &DetectionOption
     let depth = scene.grid.cells[candidate.cells[0]].point.z;
     let allowed = options.limits.axis.is_none_or(|cone| {
         let line = crate::geometry::Line::new(cylinder.axis.point, cone.direction);
-        cylinder.axis.angle(&line) <= cone.max_angle + DIRECTION_ERROR
+        cylinder.axis.angle(&line) <= cone.max_angle + DIRECTION_ERROR.get()
     });
     allowed
-        && candidate.gain > 5.0
-        && cylinder.radius >= THINNEST * scene.grid.spacing * depth
+        && candidate.gain > LEAST_GAIN.get()
+        && cylinder.radius >= THINNEST.get() * scene.grid.spacing * depth
         && cylinder.radius >= options.limits.radius_min
         && cylinder.radius <= options.limits.radius_max
         && candidate.cells.len() * scene.grid.side * scene.grid.side >= options.min_pixels
@@ -366,7 +390,7 @@ fn select(
         let all = judged.candidate.cells.len();
         let left = judged.candidate.cells.iter().filter(|&&k| !taken[k]).count();
         // What others explain nearly all of is not divided either.
-        if left * 5 < all {
+        if (left as f64) < LITTLE_LEFT.get() * all as f64 {
             continue;
         }
         scene.effort.limit(LIMITS[4]);
@@ -378,7 +402,7 @@ fn select(
             found.sort_by(by_priority);
             continue;
         }
-        if left * 5 < all * 3 {
+        if (left as f64) < ENOUGH_LEFT.get() * all as f64 {
             continue;
         }
         judged.candidate.cells.retain(|&k| !taken[k]);
@@ -417,7 +441,8 @@ fn judged_from(
         return None;
     }
     grown.0.cells.iter().for_each(|&k| visits[k] = visits[k].saturating_add(1));
-    Judged::with_score(scene, grown, LEAST_SCORE, options, marks).filter(|judged| judged.score > LEAST_SCORE)
+    Judged::with_score(scene, grown, LEAST_SCORE.get(), options, marks)
+        .filter(|judged| judged.score > LEAST_SCORE.get())
 }
 
 /// Gives the cylinders that were chosen the surfaces of a last fit, where these keep the limits.

@@ -8,12 +8,14 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::statistics::min_max;
 
-/// Where nothing is measured beside a limb depth ends inside of it, as the surface turns away: by this many pixels times the root of
-/// the radius in pixels. By the sensors that were looked at it is 0.27 to 0.75: docs/measurements-detection-depth.md.
-const MISSING: f64 = 0.35;
+constants! {
+    /// Where nothing is measured beside a limb depth ends inside of it, as the surface turns away: by this many pixels times the root of
+    /// the radius in pixels. By the sensors that were looked at it is 0.27 to 0.75: docs/measurements-detection-depth.md.
+    MISSING = 0.35, "√px";
 
-/// The radius in pixels up to which the outline tells it as well as the points do.
-const WIDEST: f64 = 30.0;
+    /// The radius in pixels up to which the outline tells it as well as the points do.
+    WIDEST = 30.0, "px";
+}
 
 /// Most steps of the fit.
 const STEPS: usize = 6;
@@ -35,7 +37,7 @@ impl Scene<'_> {
             return None;
         }
         let depth = middle(&self.grid.cells, cells).z;
-        if cylinder.radius > WIDEST * self.optics.pixel * depth || self.effort.is_spent() {
+        if cylinder.radius > WIDEST.get() * self.optics.pixel * depth || self.effort.is_spent() {
             return None;
         }
         let tangents = self.both_sides(cylinder, cells, depth, marks);
@@ -45,7 +47,7 @@ impl Scene<'_> {
         let line = 2.0 * cylinder.radius / (self.grid.spacing * depth);
         let cells_per_sample = self.optics.cells_per_sample.max(cells.len() as f64 / line) / stride as f64;
         let optics = Optics { cells_per_sample, ..self.optics };
-        fit(surface, (&self.numbers, &fitted), &tangents, optics, REACH, STEPS)
+        fit(surface, (&self.numbers, &fitted), &tangents, optics, REACH.get(), STEPS)
     }
 
     /// The outline of cells, each of its sides one measurement.
@@ -66,10 +68,10 @@ impl Scene<'_> {
             let weight = 1.0 / ends().count() as f64;
             let tangent = |side: &Side| {
                 let inset = match side.beyond {
-                    Beyond::Missing => MISSING * radius.sqrt(),
-                    _ => OUTLINE_SHIFT_PIXELS,
+                    Beyond::Missing => MISSING.get() * radius.sqrt(),
+                    _ => OUTLINE_SHIFT_PIXELS.get(),
                 };
-                Tangent { ray: side.ray, inset, deviation: OUTLINE_PIXELS, weight }
+                Tangent { ray: side.ray, inset, deviation: OUTLINE_PIXELS.get(), weight }
             };
             tangents.extend(ends().map(tangent));
         }

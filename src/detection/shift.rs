@@ -23,25 +23,27 @@ const DRAWN_OUT: std::ops::RangeInclusive<i32> = -2..=8;
 /// Steps from a limb to the edges that are looked at: the largest shift aslant, and depth that is drawn out.
 const REACH: i32 = 26;
 
-/// An edge counts so many pixels to both sides of it.
-const BESIDE_EDGE: f64 = 0.8;
+constants! {
+    /// An edge counts so many pixels to both sides of it.
+    BESIDE_EDGE = 0.8, "px";
 
-/// How far an edge may turn from a limb, in pixels from one end to the other.
-const TURN: f64 = 2.0;
+    /// How far an edge may turn from a limb, in pixels from one end to the other.
+    TURN = 2.0, "px";
 
-/// What a limb that is covered whole counts less for each pixel of a shift: of two that explain as much the smaller one is meant.
-const PRICE: f64 = 0.03;
+    /// What a limb that is covered whole counts less for each pixel of a shift: of two that explain as much the smaller one is meant.
+    PRICE = 0.03, "limb/px";
 
-/// The least shift in pixels that matters: limbs are found beside depth that lies a pixel beside them.
-const LEAST: f64 = 1.5;
+    /// The least shift in pixels that matters: limbs are found beside depth that lies a pixel beside them.
+    LEAST = 1.5, "px";
 
-/// By how much of both limbs, and how many times, edges must cover more of them where the depth would be moved to than where it
-/// is. Another search in the moved depth decides.
-const LEAST_GAIN: f64 = 0.3;
-const LEAST_RATIO: f64 = 1.2;
+    /// By how much of both limbs, and how many times, edges must cover more of them where the depth would be moved to than where it
+    /// is. Another search in the moved depth decides.
+    LEAST_GAIN = 0.3, "limb";
+    LEAST_RATIO = 1.2, "";
 
-/// Cylinders with less than this score tell nothing of a shift.
-const CERTAIN: f64 = 0.2;
+    /// Cylinders with less than this score tell nothing of a shift.
+    CERTAIN = 0.2, "";
+}
 
 /// Which parts of a limb edges cover, by their distance from it in steps.
 struct Profile([u32; 2 * REACH as usize + 1]);
@@ -72,11 +74,11 @@ impl Coverage {
             for edge in &edges.edges {
                 let [first, last] = edge.ends.map(|p| (p - limb.start).dot(&limb.across) / edges.pixel);
                 let position = 0.5 * (first + last) / STEP;
-                if (first - last).abs() > TURN || position.abs() > f64::from(REACH) {
+                if (first - last).abs() > TURN.get() || position.abs() > f64::from(REACH) {
                     continue;
                 }
                 let Some(bits) = limb.pieces(edge) else { continue };
-                let half = BESIDE_EDGE / STEP;
+                let half = BESIDE_EDGE.get() / STEP;
                 for steps in (position - half).ceil() as i32..=(position + half).floor() as i32 {
                     if let Some(pieces) = pieces.get_mut((steps + REACH) as usize) {
                         *pieces |= bits;
@@ -114,7 +116,7 @@ impl Scene<'_> {
             self.effort.spend(edges.edges.len());
             Coverage::new(edges, &cylinder, self.range(&cylinder, cells), judged.score)
         };
-        let certain = found.iter().filter(|judged| judged.score >= CERTAIN);
+        let certain = found.iter().filter(|judged| judged.score >= CERTAIN.get());
         let coverages: Vec<_> = certain.filter_map(|judged| by_depth(judged, marks)).collect();
         let weight: f64 = coverages.iter().map(|coverage| coverage.weight).sum();
         let covered = |shift: [i32; 2]| coverages.iter().map(|coverage| coverage.at(shift)).sum::<f64>();
@@ -122,15 +124,15 @@ impl Scene<'_> {
         let mut best = ([0; 2], f64::NEG_INFINITY);
         for x in -FARTHEST..=FARTHEST {
             for y in -FARTHEST..=FARTHEST {
-                let worth = covered([x, y]) - PRICE * weight * pixels([x, y]);
+                let worth = covered([x, y]) - PRICE.get() * weight * pixels([x, y]);
                 if worth > best.1 {
                     best = ([x, y], worth);
                 }
             }
         }
         let (here, there) = (covered([0; 2]), covered(best.0));
-        let tells = there - here > LEAST_GAIN * weight && there > LEAST_RATIO * here;
-        (pixels(best.0) >= LEAST && tells)
+        let tells = there - here > LEAST_GAIN.get() * weight && there > LEAST_RATIO.get() * here;
+        (pixels(best.0) >= LEAST.get() && tells)
             .then(|| best.0.map(|steps| (STEP * f64::from(steps)).round() as i32))
     }
 }

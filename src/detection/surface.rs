@@ -8,11 +8,27 @@ use crate::geometry::{Cylinder, Line, any_orthogonal, rotate_direction};
 use nalgebra::{SVector, Vector3};
 use pulp::Scalar;
 
-/// Cells farther from a surface than this many standard deviations do not belong to it.
-pub(super) const REACH: f64 = 3.0;
+constants! {
+    /// Cells farther from a surface than this many standard deviations do not belong to it.
+    pub(super) REACH = 3.0, "σ";
 
-/// How far a cell may be off across the line of sight, in pixels: matching windows and mixed pixels move outlines.
-pub(super) const LATERAL_PIXELS: f64 = 0.5;
+    /// How far a cell may be off across the line of sight, in pixels: matching windows and mixed pixels move outlines.
+    pub(super) LATERAL_PIXELS = 0.5, "px";
+
+    /// How far depth next to a limb is off across the line of sight, in pixels: matching windows of 7 to 11 pixels draw it
+    /// out by 2, mixed pixels of time of flight in by 1.
+    BIAS_PIXELS = 2.5, "px";
+
+    /// How far inside of the limb the outline of what is measured is, in pixels: time of flight reaches it, structured
+    /// light ends 0 to 3 pixels before it, as the surface turns away.
+    pub(super) OUTLINE_SHIFT_PIXELS = 1.2, "px";
+
+    /// Standard deviation of that, in pixels.
+    pub(super) OUTLINE_PIXELS = 1.5, "px";
+
+    /// A step is damped by this part of what the best determined number is.
+    DAMPING = 1e-4, "";
+}
 
 /// A surface of revolution about a line, or of a sphere.
 #[derive(Debug, Clone, Copy)]
@@ -147,17 +163,6 @@ pub(super) struct Optics {
     pub cells_per_sample: f64,
 }
 
-/// How far depth next to a limb is off across the line of sight, in pixels: matching windows of 7 to 11 pixels draw it
-/// out by 2, mixed pixels of time of flight in by 1.
-const BIAS_PIXELS: f64 = 2.5;
-
-/// How far inside of the limb the outline of what is measured is, in pixels: time of flight reaches it, structured
-/// light ends 0 to 3 pixels before it, as the surface turns away.
-pub(super) const OUTLINE_SHIFT_PIXELS: f64 = 1.2;
-
-/// Standard deviation of that, in pixels.
-pub(super) const OUTLINE_PIXELS: f64 = 1.5;
-
 /// The mean of the points of the cells `which`.
 pub(super) fn middle(cells: &[Cell], which: &[usize]) -> Vector3<f64> {
     // Four sums side by side: none waits for another.
@@ -182,7 +187,7 @@ pub(super) fn slope(
     let pixel = optics.pixel * center.z;
     let mut step = ToCone::new(&cylinder);
     let mut add = |projection: &Projection, distance: f64, sigma: f64, shape: f64, weight: f64| {
-        let ratio = distance / (REACH * sigma);
+        let ratio = distance / (REACH.get() * sigma);
         if ratio.abs() < 1.0 {
             let part = 1.0 - ratio * ratio;
             step.add(projection, distance, shape, weight * part * part / (sigma * sigma));
@@ -202,7 +207,7 @@ pub(super) fn slope(
         let projection = surface.project(&(ray * cylinder.axis.nearest_on_ray(ray)));
         add(&projection, projection.distance + inset * pixel, deviation * pixel, 0.0, *weight);
     }
-    step.expect(bias, BIAS_PIXELS * pixel);
+    step.expect(bias, BIAS_PIXELS.get() * pixel);
     step.slope()
 }
 
@@ -232,7 +237,7 @@ pub(super) fn fit(
         let mut parameters = surface.parameters() as usize;
         if let Surface::Cylinder(cylinder, bias) = surface {
             equations.add_tangents((&surface, &cylinder), (&u, &v), tangents, as_length, reach);
-            equations.expect_bias(bias, as_length(BIAS_PIXELS));
+            equations.expect_bias(bias, as_length(BIAS_PIXELS.get()));
             parameters = 6;
         }
         equations.complete(parameters);
@@ -241,8 +246,8 @@ pub(super) fn fit(
         let moved = surface.step(&delta)?;
         let change = (moved.radius() - surface.radius()).abs() / surface.radius();
         surface = moved;
-        let settled = reach <= REACH && change < 1e-4;
-        reach = (0.5 * reach).max(REACH);
+        let settled = reach <= REACH.get() && change < 1e-4;
+        reach = (0.5 * reach).max(REACH.get());
         if settled {
             break;
         }
@@ -344,14 +349,14 @@ impl NormalEquations {
         }
     }
 
-    /// Damps the step, so that nearly undetermined combinations stay: by a ten-thousandth of what the best determined
+    /// Damps the step, so that nearly undetermined combinations stay: by [`DAMPING`] times what the best determined
     /// one is. Of a sphere, whose radius and depth are nearly one combination, by that of its shift across.
     fn damp(&mut self, surface: &Surface, parameters: usize) {
         let matrix = &mut self.matrix;
         let scale = match surface {
             Surface::Sphere(..) => matrix[(0, 0)],
             _ => matrix[(4, 4)].max(matrix[(0, 0)]),
-        } * 1e-4;
+        } * DAMPING.get();
         let radius = surface.radius();
         for i in 0..parameters {
             let lever = match (surface, i) {

@@ -10,15 +10,17 @@ use crate::geometry::{Cylinder, LimbFrame};
 use crate::limb_location::LimbObservation;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
-/// The part of the shorter of two limbs along which they must be one edge.
-const OVERLAP: f64 = 0.5;
+constants! {
+    /// The part of the shorter of two limbs along which they must be one edge.
+    OVERLAP = 0.5, "length";
 
-/// Odds of this many to one tell whose limb an edge is. With less it is left to neither: a limb too few costs certainty, a wrong
-/// one the radius.
-const ODDS: f64 = 3.0;
+    /// Odds of this many to one tell whose limb an edge is. With less it is left to neither: a limb too few costs certainty, a wrong
+    /// one the radius.
+    ODDS = 3.0, "odds";
 
-/// What is less likely a cylinder claims nothing.
-const LEAST_SCORE: f64 = 0.5;
+    /// What is less likely a cylinder claims nothing.
+    LEAST_SCORE = 0.5, "";
+}
 
 /// A piece of a line in the image, from end to end in ideal pixels.
 pub(super) type Piece = [Vector2<f64>; 2];
@@ -75,7 +77,7 @@ fn by_cylinder(count: usize, pairs: impl Iterator<Item = (usize, Piece)>) -> Vec
 
 /// All contests between cylinders of a scene.
 fn contests(outcomes: &[Outcome]) -> Vec<Contest> {
-    let claiming = |outcome| fitted(outcome).filter(|found| found.score >= LEAST_SCORE);
+    let claiming = |outcome| fitted(outcome).filter(|found| found.score >= LEAST_SCORE.get());
     let limbs: Vec<Vec<Limb>> =
         outcomes.iter().map(|outcome| claiming(outcome).map_or_else(Vec::new, Limb::both)).collect();
     let mut contests = Vec::new();
@@ -100,7 +102,7 @@ impl Contest {
             let surprise = fitted(&without[cylinder]).and_then(|found| self.surprise(found));
             surprise.unwrap_or(f64::INFINITY)
         });
-        let least = 2.0 * ODDS.ln();
+        let least = 2.0 * ODDS.get().ln();
         match (a + least < b, b + least < a) {
             (true, _) => Some(self.cylinders[0]),
             (_, true) => Some(self.cylinders[1]),
@@ -181,7 +183,7 @@ impl Limb {
         let [other_last, other_first] = other.piece;
         let [from, to] = [other_first, other_last].map(|q| along.dot(&(q - first)));
         let both = [from.max(0.0), to.min(length)];
-        let enough = both[1] - both[0] >= OVERLAP * length.min(to - from);
+        let enough = both[1] - both[0] >= OVERLAP.get() * length.min(to - from);
         if !enough || !(self.located || other.located) {
             return None;
         }

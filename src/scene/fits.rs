@@ -125,7 +125,7 @@ impl<'a> Fits<'a> {
         let found = pose.cylinder(seen);
         let covered = |cylinder: &Cylinder| self.seen.covered(detection, cylinder).iter().sum::<f64>();
         let before = covered(seen);
-        let held = before >= COVERED;
+        let held = before >= COVERED.get();
         let radii = match (fitter.image(), fitter.depth()) {
             // Depth images are drawn out next to limbs, and clouds may be anything: a fit tells.
             (None, Some(_)) => &[],
@@ -133,7 +133,8 @@ impl<'a> Fits<'a> {
             _ => &RADII[..1],
         };
         let pixel = fitter.camera().map_or(0.0, |camera| 1.0 / camera.intrinsics().fx);
-        let reach = f64::max(RADIUS_CHANGE, RADIUS_PIXELS * pixel * seen.axis.point.z / seen.radius);
+        let reach =
+            f64::max(RADIUS_CHANGE.get(), RADIUS_PIXELS.get() * pixel * seen.axis.point.z / seen.radius);
         let attempts = self.attempts();
         // The best so far, and that from the cylinder itself: the fitter as it left it, and its result.
         let mut best: Option<(f64, Box<(Fitter, FitResult)>)> = None;
@@ -145,8 +146,8 @@ impl<'a> Fits<'a> {
             let Ok(result) = unless_cancelled(fit)? else { continue };
             let change = found.compare(&result.cylinder);
             let same = (change.radius_relative.abs() < reach || told_twice(&result))
-                && change.angle < 0.3
-                && change.axis_distance < found.radius;
+                && change.angle < DIRECTION_CHANGE.get()
+                && change.axis_distance < AXIS_CHANGE.get() * found.radius;
             let after = covered(&pose.inverse().cylinder(&result.cylinder));
             if fitter.image().is_none() && same {
                 return Ok(result);
@@ -157,12 +158,12 @@ impl<'a> Fits<'a> {
             if *factor == 1.0 {
                 plain = Some(copied(fitter, result));
             }
-            if after + 0.5 * (result.limbs_located as f64) < before {
+            if after + LOCATED.get() * (result.limbs_located as f64) < before {
                 continue;
             }
-            let quality = after + 0.5 * result.limbs_located as f64;
+            let quality = after + LOCATED.get() * result.limbs_located as f64;
             if quality > best.as_ref().map_or(0.0, |(most, ..)| *most) {
-                if held || quality >= COVERED + 1.0 {
+                if held || quality >= COVERED.get() + ENOUGH.get() {
                     return Ok(result);
                 }
                 best = Some((quality, copied(fitter, result)));
@@ -201,8 +202,8 @@ fn with_radius(seen: &Cylinder, radius: f64) -> Cylinder {
 fn told_twice(result: &FitResult) -> bool {
     result.limbs_located == 2
         && result.radii.is_some_and(|radii| {
-            radii.z_score().abs() < AGREEMENT
-                && radii.from_points_deviation < RADIUS_CHANGE * result.cylinder.radius
+            radii.z_score().abs() < AGREEMENT.get()
+                && radii.from_points_deviation < RADIUS_CHANGE.get() * result.cylinder.radius
         })
 }
 
@@ -247,16 +248,28 @@ const RADII: [f64; 3] = [1.0, 0.9, 1.1];
 /// Fits of a scene, beyond which each cylinder gets one alone: a bound on the time.
 const MOST_FITS: usize = 40;
 
-/// The parts of both limbs together that edges of the image cover where they hold the radius.
-const COVERED: f64 = 1.0;
+constants! {
+    /// The parts of both limbs together that edges of the image cover where they hold the radius.
+    COVERED = 1.0, "limb";
 
-/// How far the radius of a fit may be from that which was found: a part of it, or pixels of the image, whichever is more.
-/// What is farther off is another pair of edges.
-const RADIUS_CHANGE: f64 = 0.15;
-const RADIUS_PIXELS: f64 = 3.0;
+    /// How far the radius of a fit may be from that which was found: a part of it, or pixels of the image, whichever is more.
+    /// What is farther off is another pair of edges.
+    RADIUS_CHANGE = 0.15, "radius";
+    RADIUS_PIXELS = 3.0, "px";
 
-/// Radii that differ by less than this many standard deviations agree.
-const AGREEMENT: f64 = 2.0;
+    /// Radii that differ by less than this many standard deviations agree.
+    AGREEMENT = 2.0, "σ";
+
+    /// How far its direction may be, and its axis.
+    DIRECTION_CHANGE = 0.3, "rad";
+    AXIS_CHANGE = 1.0, "radius";
+
+    /// What a located limb counts, where edges that cover one whole count 1.
+    LOCATED = 0.5, "limb";
+
+    /// A fit is good where limbs count more than [`COVERED`] by this.
+    ENOUGH = 1.0, "limb";
+}
 
 /// A fitter as it is and its result. They are on the stack here alone, not while the next fit runs.
 #[inline(never)]

@@ -10,6 +10,13 @@ mod regions;
 mod results;
 mod work;
 
+#[cfg(feature = "sensitivity")]
+/// The constants of whole scenes.
+#[must_use]
+pub fn constants() -> Vec<crate::constant::Constant> {
+    [CONSTANTS, contests::CONSTANTS, fits::CONSTANTS, regions::CONSTANTS].concat()
+}
+
 use crate::camera::Camera;
 use crate::detection::{
     Detection, DetectionOptions, Detections, Looks, detect_points_until, detect_until, least_before_fit,
@@ -304,7 +311,7 @@ impl Detector {
 
     /// The options of the search, for all that may be left when every cylinder is fitted.
     fn search_options(&self, into_camera: &RigidMotion, has_image: bool) -> DetectionOptions {
-        let errors = [1.0 - RADIUS_ERROR, 1.0 + RADIUS_ERROR];
+        let errors = [1.0 - RADIUS_ERROR.get(), 1.0 + RADIUS_ERROR.get()];
         let limits = self.options.search.limits.moved(into_camera).widened(errors, 0.0);
         let min_score = least_before_fit(self.options.search.min_score, has_image);
         DetectionOptions { limits, max_count: usize::MAX, min_score, ..self.options.search }
@@ -430,9 +437,11 @@ fn unobserved<T>(call: impl FnOnce(&mut Observer<'_>) -> T) -> T {
     call(&mut Observer { progress: &mut |_| ControlFlow::Continue(()), stopped: &|| false })
 }
 
-/// A radius by depth alone is off by less than this part of it in 94 of 100 cylinders of ../shared/scenes: what the search
-/// finds so near to the limits may turn out to keep them.
-const RADIUS_ERROR: f64 = 0.15;
+constants! {
+    /// A radius by depth alone is off by less than this part of it in 94 of 100 cylinders of ../shared/scenes: what the search
+    /// finds so near to the limits may turn out to keep them.
+    RADIUS_ERROR = 0.15, "radius";
+}
 
 /// Refuses a call for which there is no memory.
 fn check_memory(what: &'static str, pixels: usize) -> Result<()> {

@@ -13,27 +13,29 @@ use crate::observations::PointsView;
 use crate::statistics::{median, min_max};
 use nalgebra::Vector3;
 
-/// How far from the axis points of a cloud are fitted, in radii. On ../shared/scenes, fits to the true regions between 1, 0.85 and
-/// 0.7 radii find pipes 5.9, 2.0 and −0.9 % too wide, cylinders on tables 3.3, 1.1 and −0.8 %.
-const MIDDLE: f64 = 0.7;
+constants! {
+    /// How far from the axis points of a cloud are fitted, in radii. On ../shared/scenes, fits to the true regions between 1, 0.85 and
+    /// 0.7 radii find pipes 5.9, 2.0 and −0.9 % too wide, cylinders on tables 3.3, 1.1 and −0.8 %.
+    MIDDLE = 0.7, "radius";
 
-/// Fewest points in the middle of a region that are fitted alone.
-const FEWEST: usize = 50;
+    /// Fewest points in the middle of a region that are fitted alone.
+    FEWEST = 50.0, "points";
+
+    /// A piece of a body that bends or tapers is at least so many radii long: shorter ones of what is no cylinder may pass for one.
+    LONG = 6.0, "radius";
+
+    /// What is nearer to the surface of a body than this part of its radius may belong to it: it may taper, bend or have bark.
+    UNEVEN = 0.15, "radius";
+
+    /// A region has settled where its points change by this part.
+    SETTLED = 0.02, "";
+}
 
 /// Fits to the middle of a region, at most: the radius settles in three or four.
 const ROUNDS: usize = 4;
 
 /// Points that are enough to grow a region by.
 const ENOUGH_POINTS_TO_GROW: usize = 10_000;
-
-/// A piece of a body that bends or tapers is at least so many radii long: shorter ones of what is no cylinder may pass for one.
-const LONG: f64 = 6.0;
-
-/// What is nearer to the surface of a body than this part of its radius may belong to it: it may taper, bend or have bark.
-const UNEVEN: f64 = 0.15;
-
-/// A region has settled where its points change by this part.
-const SETTLED: f64 = 0.02;
 
 /// A fit: the fitter as it left it, and its result.
 type Fit = (Box<Fitter>, Box<FitResult>);
@@ -71,10 +73,10 @@ impl Fits<'_> {
             });
             check(0)?;
             detection.cylinder = cylinder;
-            if next.len() < FEWEST {
+            if next.len() < FEWEST.count() {
                 break;
             }
-            let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED * region.len() as f64;
+            let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED.get() * region.len() as f64;
             region = next;
             detection.pixels = region.len();
             if settled {
@@ -143,7 +145,7 @@ impl Fits<'_> {
             let middle = median(&mut positions.clone());
             let mut inside = positions.iter().map(|position| (position - middle).abs() <= half);
             piece.retain(|_| inside.next().unwrap_or(false));
-            if 2.0 * half < LONG * cylinder.radius || piece.len() < FEWEST {
+            if 2.0 * half < LONG.get() * cylinder.radius || piece.len() < FEWEST.count() {
                 return Ok(None);
             }
             let few = thinned(&piece);
@@ -209,12 +211,13 @@ impl Fits<'_> {
             let along = first - cylinder.radius..last + cylinder.radius;
             // There may be many, for which no memory is kept.
             let mut near = apart(|| looks.some_near(cylinder, cylinder.radius));
-            let is_apart = |point: &Vector3<f64>| cylinder.distance(point).abs() > UNEVEN * cylinder.radius;
+            let is_apart =
+                |point: &Vector3<f64>| cylinder.distance(point).abs() > UNEVEN.get() * cylinder.radius;
             near.retain(|point| is_apart(point) && along.contains(&cylinder.axis.position_of(point)));
             near
         };
         let refit = |before: &Fit, rest: &[u32]| {
-            if rest.len() < FEWEST {
+            if rest.len() < FEWEST.count() {
                 return Ok(None);
             }
             let seen = Detection { cylinder: before.1.cylinder, pixels: rest.len(), ..*detection };
@@ -237,10 +240,10 @@ impl Fits<'_> {
         if seen.contains_origin() {
             return None;
         }
-        let band = Band::new(&seen, MIDDLE);
+        let band = Band::new(&seen, MIDDLE.get());
         let inner = region.iter().copied().filter(|&k| band.contains(&(looks.point(k) - observer)));
         let middle: Vec<u32> = inner.collect();
-        (middle.len() >= FEWEST && 2 * middle.len() > region.len()).then_some(middle)
+        (middle.len() >= FEWEST.count() && 2 * middle.len() > region.len()).then_some(middle)
     }
 }
 

@@ -22,8 +22,10 @@ const COUNT: u32 = (1 << FINE) + 2 * MARGIN;
 /// The number of no cube.
 const NONE: u32 = COUNT.pow(3);
 
-/// Fewest points of a tile: fewer show no body.
-const FEWEST: usize = 500;
+constants! {
+    /// Fewest points of a tile: fewer show no body.
+    FEWEST = 500.0, "points";
+}
 
 /// A grid of cubes about the box of the points of a cloud, but for single ones far away.
 #[derive(Debug, Clone, Copy)]
@@ -43,7 +45,7 @@ impl Cubes {
                 return Ok(None);
             }
             check_cancel()?;
-            let [first, last] = at_both_ends(&values, (STRAY * values.len() as f64) as usize);
+            let [first, last] = at_both_ends(&values, (STRAY.get() * values.len() as f64) as usize);
             *low = first;
             size = size.max(last - first);
         }
@@ -160,7 +162,8 @@ impl Order {
                 _ => ranges.push(range),
             }
         }
-        let is_large = |ranges: &Vec<Range<usize>>| ranges.iter().map(Range::len).sum::<usize>() >= FEWEST;
+        let is_large =
+            |ranges: &Vec<Range<usize>>| ranges.iter().map(Range::len).sum::<usize>() >= FEWEST.count();
         tiles.into_values().filter(is_large).collect()
     }
 

@@ -10,37 +10,39 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use std::ops::Bound;
 
-/// Points lie on a surface up to this part of the radius from it, at most.
-const MOST_REACH: f64 = 0.15;
+constants! {
+    /// Points lie on a surface up to this part of the radius from it, at most.
+    MOST_REACH = 0.15, "radius";
 
-/// They scatter by this part of the radius, at most: what fills all of that reach evenly, and is no surface, does by half as much again.
-const MOST_SCATTER: f64 = 0.5 * MOST_REACH;
+    /// They scatter by this part of the radius, at most: what fills all of that reach evenly, and is no surface, does by half as much again.
+    MOST_SCATTER = 0.5 * MOST_REACH.value, "radius";
 
-/// The length of a slice of a body, in radii.
-const SLICE: f64 = 0.5;
+    /// The length of a slice of a body, in radii.
+    SLICE = 0.5, "radius";
 
-/// A slice has this part of the points of those before it, at least, and of their spread about the axis: a plane that touches the body
-/// beyond its end has a strip of points on its surface.
-const GOES_ON: f64 = 0.25;
+    /// A slice has this part of the points of those before it, at least, and of their spread about the axis: a plane that touches the body
+    /// beyond its end has a strip of points on its surface.
+    GOES_ON = 0.25, "";
 
-/// Slices at either end of a region that tell how many points the next one has.
-const OUTER: usize = 5;
+    /// Slices at either end of a region that tell how many points the next one has.
+    OUTER = 5.0, "slices";
 
-/// A part of the points of a region that may lie beyond its ends, to each side.
-const STRAY: usize = 50;
+    /// A part of the points of a region that may lie beyond its ends, to each side.
+    STRAY = 50.0, "";
 
-/// Sectors about the axis, for what of the residuals is not noise.
-const SECTORS: f64 = 24.0;
+    /// Sectors about the axis, for what of the residuals is not noise.
+    SECTORS = 24.0, "";
 
-/// By how much a body may be out of round, as a part of its radius.
-const OUT_OF_ROUND: f64 = 0.03;
+    /// By how much a body may be out of round, as a part of its radius.
+    OUT_OF_ROUND = 0.03, "radius";
 
-/// By how many standard deviations of its points a body bends, at least.
-const LEAST_BEND: f64 = 2.0;
+    /// By how many standard deviations of its points a body bends, at least.
+    LEAST_BEND = 2.0, "σ";
+}
 
 /// Which slice a point belongs to.
 fn slice_of(cylinder: &Cylinder, point: &Vector3<f64>) -> i64 {
-    (cylinder.axis.position_of(point) / (SLICE * cylinder.radius)).floor() as i64
+    (cylinder.axis.position_of(point) / (SLICE.get() * cylinder.radius)).floor() as i64
 }
 
 /// The direction from the axis to a point.
@@ -74,7 +76,7 @@ impl Slice {
 
 /// How far from the surface of a cylinder that was fitted to a region the points of its body lie.
 pub(crate) fn reach_of(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
-    reach(cylinder, region).min(MOST_REACH * cylinder.radius)
+    reach(cylinder, region).min(MOST_REACH.get() * cylinder.radius)
 }
 
 /// The points within a reach of the surface of a cylinder that was fitted to a region, by their numbers. `points` has those that may
@@ -87,7 +89,7 @@ pub(crate) fn grown(
 ) -> Vec<u32> {
     let mut of_region: Vec<i64> = region.map(|point| slice_of(cylinder, &point)).collect();
     of_region.sort_unstable();
-    let stray = of_region.len() / STRAY;
+    let stray = of_region.len() / STRAY.count();
     let [first, last] = [of_region[stray], of_region[of_region.len() - 1 - stray]];
     drop(of_region);
     let mut slices: BTreeMap<i64, Slice> = BTreeMap::new();
@@ -114,14 +116,14 @@ pub(crate) fn grown(
     let spread = median(&mut own().map(Slice::spread).collect::<Vec<f64>>());
     // Points become sparser along a body that leads away from its sensor.
     let typical = |outer: &mut dyn Iterator<Item = &Slice>| {
-        median(&mut outer.take(OUTER).map(|slice| slice.count).collect::<Vec<f64>>())
+        median(&mut outer.take(OUTER.count()).map(|slice| slice.count).collect::<Vec<f64>>())
     };
     let typical = [typical(&mut own()), typical(&mut own().rev())];
     // From the region to both sides.
     let mut body: BTreeSet<i64> = slices.range(first..=last).map(|(number, _)| *number).collect();
     let mut follow = |mut count: f64, beyond: &mut dyn Iterator<Item = (&i64, &Slice)>| {
         for (number, slice) in beyond {
-            if slice.count >= GOES_ON * count && slice.spread() >= GOES_ON * spread {
+            if slice.count >= GOES_ON.get() * count && slice.spread() >= GOES_ON.get() * spread {
                 count = 0.5 * (count + slice.count);
                 body.insert(*number);
             }
@@ -150,9 +152,9 @@ pub(crate) fn is_round(
 ) -> bool {
     let distances = region.clone().map(|point| cylinder.distance(&point));
     let scatter = DEVIATION_OF_MEDIAN * median_absolute(distances);
-    scatter <= MOST_SCATTER * cylinder.radius
-        && bend(cylinder, region.clone()) >= LEAST_BEND * scatter
-        && lack_of_fit(cylinder, region) <= OUT_OF_ROUND * cylinder.radius
+    scatter <= MOST_SCATTER.get() * cylinder.radius
+        && bend(cylinder, region.clone()) >= LEAST_BEND.get() * scatter
+        && lack_of_fit(cylinder, region) <= OUT_OF_ROUND.get() * cylinder.radius
 }
 
 /// The standard deviation of the residuals of points beyond their noise: of their means over patches of the surface, where the points of
@@ -162,7 +164,7 @@ fn lack_of_fit(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) 
     let patch_of = |point: &Vector3<f64>| {
         let outward = outward(cylinder, point);
         let turn = outward.dot(&y).atan2(outward.dot(&x)) / TAU;
-        (slice_of(cylinder, point), (turn * SECTORS).floor() as i64)
+        (slice_of(cylinder, point), (turn * SECTORS.get()).floor() as i64)
     };
     let mut patches: BTreeMap<(i64, i64), [f64; 3]> = BTreeMap::new();
     for point in region {
@@ -236,7 +238,7 @@ mod tests {
     #[test]
     fn a_region_grows_to_where_points_are_sparse() {
         let slice = |k: i32| {
-            let [from, to] = [f64::from(k), f64::from(k + 1)].map(|z| SLICE * z);
+            let [from, to] = [f64::from(k), f64::from(k + 1)].map(|z| SLICE.get() * z);
             let every = (1.0 / 0.9_f64.powi(k)).round() as usize;
             half(from + 0.01, to - 0.01, 0.01).into_iter().step_by(every)
         };
@@ -270,11 +272,11 @@ mod tests {
                 })
             })
             .collect();
-        assert!(lack_of_fit(&filled) < OUT_OF_ROUND && bend(&filled) > 0.25);
+        assert!(lack_of_fit(&filled) < OUT_OF_ROUND.get() && bend(&filled) > 0.25);
         assert!(!round(&filled));
         // A strip that bends by less than its noise.
         let strip = half(0.0, 2.0, 0.02).into_iter().filter(|p| p.x.abs() < 0.2).collect::<Vec<_>>();
-        assert!(lack_of_fit(&strip) < OUT_OF_ROUND);
+        assert!(lack_of_fit(&strip) < OUT_OF_ROUND.get());
         assert!(!round(&strip));
     }
 }

@@ -18,7 +18,7 @@ impl Image {
     /// than the steepest surface falls over a cell is hidden by that. Infinite where there is none.
     fn reach(&self) -> Vec<f32> {
         let (width, height) = (self.raster.width, self.raster.height);
-        let factor = (1.0 + STEEPEST * LEAST_SIDE as f64 * self.raster.spacing) as f32;
+        let factor = (1.0 + STEEPEST.get() * LEAST_SIDE as f64 * self.raster.spacing) as f32;
         // The least of each pixel and those beside it, of three rows.
         let mut rows = [(); 3].map(|()| vec![f32::INFINITY; width]);
         let mut padded = vec![f32::INFINITY; width + 2];

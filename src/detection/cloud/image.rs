@@ -11,14 +11,16 @@ use std::ops::Range;
 /// Pixels of the image of a cloud, at most.
 const MOST_PIXELS: f64 = 2e6;
 
-/// Where less than this part of the points is seen, there is another wall behind, and the image has a pixel to each of those that are.
-const MOSTLY_SEEN: f64 = 0.75;
+constants! {
+    /// Where less than this part of the points is seen, there is another wall behind, and the image has a pixel to each of those that are.
+    MOSTLY_SEEN = 0.75, "";
 
-/// An image of which more than this part has points has as many pixels as these.
-const NEARLY_FILLED: f64 = 0.8;
+    /// An image of which more than this part has points has as many pixels as these.
+    NEARLY_FILLED = 0.8, "";
 
-/// Fewest points of a cloud.
-pub(super) const FEWEST: usize = 50;
+    /// Fewest points of a cloud.
+    pub(super) FEWEST = 50.0, "points";
+}
 
 /// Points that are projected at a time.
 const BLOCK: usize = 512;
@@ -106,10 +108,10 @@ impl Slopes {
             Arch::new().dispatch(of_points);
             slopes.retain(|slope| !slope.is_nan());
             count = slopes.len();
-            if count < FEWEST {
+            if count < FEWEST.count() {
                 return None;
             }
-            *own = at_both_ends(&slopes, (STRAY * count as f64) as usize);
+            *own = at_both_ends(&slopes, (STRAY.get() * count as f64) as usize);
         }
         Some(Self { range, in_front: count as f64 / points.usable as f64 })
     }
@@ -285,13 +287,13 @@ impl Image {
         let mut image = Self::new(points, raster, memory, check_cancel)?;
         let filled = image.filled();
         let in_front = in_front / filled;
-        if filled < NEARLY_FILLED {
+        if filled < NEARLY_FILLED.get() {
             let Some(raster) = Raster::new(in_front, &slopes, pose) else { return Ok(None) };
             image = Self::new(points, raster, image.nearest, check_cancel)?;
         }
         let seen = image.count_seen(sample, check_cancel)? as f64 / (slopes.in_front * sample.usable as f64);
         image.seen = seen;
-        if seen >= MOSTLY_SEEN {
+        if seen >= MOSTLY_SEEN.get() {
             return Ok(Some(image));
         }
         let Some(raster) = Raster::new(seen * in_front, &slopes, pose) else { return Ok(None) };

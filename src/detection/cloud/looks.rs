@@ -19,24 +19,26 @@ use std::ops::Range;
 /// Cells of a cloud take this many pixels to each side at least: with a point to a pixel, one in three is empty.
 pub(super) const LEAST_SIDE: usize = 3;
 
-/// Where an image has fewer cells than this, a body may have too few to be seen as one, and finer ones are looked at, too.
-const FEW_CELLS: usize = 4_000;
+constants! {
+    /// Where an image has fewer cells than this, a body may have too few to be seen as one, and finer ones are looked at, too.
+    FEW_CELLS = 4_000.0, "cells";
+
+    /// From where a sensor was others hide less than the rest of this part of the points: from those of the twin 0.98 and more are seen, and
+    /// 0.93 and more where the points were thinned in cubes.
+    SEEN = 0.93, "";
+
+    /// One sensor leaves less of the logarithms of the densities: 0.04 to 0.2. Two that are far apart leave 0.25 and more.
+    LEFT = 0.22, "";
+
+    /// How much is hidden from anywhere, by noise.
+    HIDDEN = 0.01, "";
+
+    /// From another position than the origin so much of what is hidden there is hidden, at most, where that is no sensor.
+    LESS = 0.6, "";
+}
 
 /// How often a cloud is cut into smaller tiles.
 pub(super) const LEVELS: u32 = 4;
-
-/// From where a sensor was others hide less than the rest of this part of the points: from those of the twin 0.98 and more are seen, and
-/// 0.93 and more where the points were thinned in cubes.
-const SEEN: f64 = 0.93;
-
-/// One sensor leaves less of the logarithms of the densities: 0.04 to 0.2. Two that are far apart leave 0.25 and more.
-const LEFT: f64 = 0.22;
-
-/// How much is hidden from anywhere, by noise.
-const HIDDEN: f64 = 0.01;
-
-/// From another position than the origin so much of what is hidden there is hidden, at most, where that is no sensor.
-const LESS: f64 = 0.6;
 
 /// The sides that a tile is looked at from.
 const SIDES: usize = 6;
@@ -211,7 +213,7 @@ impl Looks {
             return Ok(false);
         }
         self.read_part();
-        if self.part().is_none_or(|points| points.usable < FEWEST) {
+        if self.part().is_none_or(|points| points.usable < FEWEST.count()) {
             return Ok(false);
         }
         if self.viewpoints.is_empty() {
@@ -254,23 +256,24 @@ impl Looks {
         {
             let few = Densities::of(points, FEW_POINTS);
             self.densities_tell = few.is_some();
-            if image.seen >= SEEN && few.is_none_or(|few| few.confirm(&from.origin)) {
+            if image.seen >= SEEN.get() && few.is_none_or(|few| few.confirm(&from.origin)) {
                 self.image = origin.map(|_| image);
                 return Ok(origin);
             }
-            sees_all = image.seen >= SEEN || image.closed;
+            sees_all = image.seen >= SEEN.get() || image.closed;
             (hidden_from_origin, memory) = (1.0 - image.seen, image.nearest);
         }
         // Of several positions the one that leaves the least of the densities and hides the least of the points.
         let mut best: Option<(f64, Viewpoint)> = None;
         let densities = Densities::of(points, MANY_POINTS);
-        let positions = densities.iter().flat_map(Densities::positions).filter(|(_, left)| *left <= LEFT);
+        let positions =
+            densities.iter().flat_map(Densities::positions).filter(|(_, left)| *left <= LEFT.get());
         for (position, left) in positions {
             let Some(viewpoint) = of_sensor_at(&position, points, &middle) else { continue };
             let Some(image) = image(&viewpoint, memory)? else { break };
             let hidden = 1.0 - image.seen;
-            let is_one = image.seen >= SEEN && hidden < LESS * hidden_from_origin;
-            let cost = left * (hidden + HIDDEN);
+            let is_one = image.seen >= SEEN.get() && hidden < LESS.get() * hidden_from_origin;
+            let cost = left * (hidden + HIDDEN.get());
             if is_one && best.as_ref().is_none_or(|(least, _)| cost < *least) {
                 best = Some((cost, viewpoint));
             }
@@ -317,7 +320,7 @@ impl Looks {
     /// Notes what the image of the present look is like: its size, whether there is another wall behind what is seen, and whether each
     /// cell has an error of its own.
     pub(super) fn note(&mut self, (width, height): (usize, usize), closed: bool, independent: bool) {
-        self.few_cells = width * height < FEW_CELLS * self.side * self.side;
+        self.few_cells = width * height < FEW_CELLS.count() * self.side * self.side;
         let Some(viewpoint) = self.viewpoint().copied() else { return };
         self.closed |= closed && viewpoint.may_be_sensor();
         self.sharp = independent && viewpoint.is_sensor() && !closed;

@@ -11,12 +11,14 @@ use crate::statistics::median_and_deviation;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Points lie on a surface up to so many standard deviations from it.
-const REACH: f64 = 4.0;
+constants! {
+    /// Points lie on a surface up to so many standard deviations from it.
+    REACH = 4.0, "σ";
 
-/// A cylinder that the wall which is seen gave is off by this part of its radius on the other side, at most: its radius and its axis both
-/// are, by some percent.
-const OFF: f64 = 0.15;
+    /// A cylinder that the wall which is seen gave is off by this part of its radius on the other side, at most: its radius and its axis both
+    /// are, by some percent.
+    OFF = 0.15, "radius";
+}
 
 /// Points of a surface that are enough to tell the reach.
 const SAMPLE: usize = 20_000;
@@ -58,7 +60,7 @@ impl Surface {
 pub(crate) fn reach(cylinder: &Cylinder, points: impl Iterator<Item = Vector3<f64>>) -> f64 {
     let mut distances: List<f64> = points.map(|point| cylinder.distance(&point)).collect();
     let [off, scatter] = median_and_deviation(&mut distances);
-    off.abs() + REACH * scatter
+    off.abs() + REACH.get() * scatter
 }
 
 /// A ball about points that follow each other.
@@ -89,7 +91,7 @@ impl Ball {
 fn surfaces_all_around(points: &Points, image: &Image, seen: &Detections, balls: &[Ball]) -> Vec<Surface> {
     let surface = |detection: &Detection| {
         let Detection { cylinder, along, .. } = *detection;
-        let about = Surface { cylinder, along, reach: OFF * cylinder.radius };
+        let about = Surface { cylinder, along, reach: OFF.get() * cylinder.radius };
         let near: Vec<usize> = (0..balls.len()).filter(|&block| balls[block].meets(&about)).collect();
         let step = (near.len() * BLOCK).div_ceil(SAMPLE).max(1);
         let of_block = |block: usize| block * BLOCK..points.len().min((block + 1) * BLOCK);

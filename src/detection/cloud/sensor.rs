@@ -18,39 +18,40 @@ use nalgebra::{Matrix3, Matrix4, Vector3, Vector4};
 pub(super) const FEW_POINTS: usize = 1 << 16;
 pub(super) const MANY_POINTS: usize = 1 << 18;
 
-/// Points in a piece of the surface, as a rule, and at least.
-const MANY: f64 = 60.0;
-const FEWEST: f64 = 20.0;
+constants! {
+    /// Points in a piece of the surface, as a rule, and at least.
+    MANY = 60.0, "points";
+    FEWEST = 20.0, "points";
 
-/// A piece is flat where its points scatter across it by this part of its narrow side at most, and that is no strip where it has this part
-/// of the wide one. In variances.
-const FLAT: f64 = 0.15;
-const BROAD: f64 = 0.1;
+    /// A piece is flat where its points scatter across it by this part of its narrow side at most, and that is no strip where it has this part
+    /// of the wide one. In variances.
+    FLAT = 0.15, "";
+    BROAD = 0.1, "";
+    FEWEST_PIECES = 100.0, "";
 
+    /// How far from the middle positions are sought first, in sizes of the cloud.
+    START = 2.0, "size";
+
+    /// Pieces count less from so many standard deviations on.
+    DEVIATIONS = 2.0, "σ";
+    APART = 0.1, "";
+
+    /// Directions are about the same within this angle, in radians: a search from a position that is off by 8 degrees finds as much as one from
+    /// that of the sensor.
+    ALIKE = 0.15, "rad";
+}
 /// The area of a piece by the product of its standard deviations along and across: of a rectangle. Of other convex shapes it differs by
 /// up to 15 %, of which k takes what they share.
 const AREA: f64 = 12.0;
 
 /// Pieces that are enough for a first look, and the fewest of all.
 const FEW_PIECES: usize = 400;
-const FEWEST_PIECES: usize = 100;
-
-/// How far from the middle positions are sought first, in sizes of the cloud.
-const START: f64 = 2.0;
 
 /// Steps of the first look, and of all pieces.
 const STEPS: [usize; 2] = [10, 20];
 
-/// Pieces count less from so many standard deviations on.
-const DEVIATIONS: f64 = 2.0;
-
 /// Positions that are returned, and how far apart, as a part of the distance.
 const MOST_POSITIONS: usize = 6;
-const APART: f64 = 0.1;
-
-/// Directions are about the same within this angle, in radians: a search from a position that is off by 8 degrees finds as much as one from
-/// that of the sensor.
-const ALIKE: f64 = 0.15;
 
 /// A flat piece of the surface.
 #[derive(Debug, Clone, Copy)]
@@ -83,7 +84,12 @@ impl Densities {
     pub fn of(points: &Points, count: usize) -> Option<Self> {
         let (_, middle, size) = middle_of_some(points);
         let pieces = pieces(points, count, &middle, size);
-        (pieces.len() >= FEWEST_PIECES).then_some(Self { origin: points.origin, middle, size, pieces })
+        (pieces.len() >= FEWEST_PIECES.count()).then_some(Self {
+            origin: points.origin,
+            middle,
+            size,
+            pieces,
+        })
     }
 
     /// Enough of the pieces for a first look.
@@ -95,12 +101,12 @@ impl Densities {
     pub fn confirm(&self, position: &Vector3<f64>) -> bool {
         let towards = position - (self.origin + self.middle);
         let found = self.from(&self.few(), &towards);
-        (found.position - self.middle).angle(&towards) < ALIKE
+        (found.position - self.middle).angle(&towards) < ALIKE.get()
     }
 
     /// The position that pieces tell, from one in a direction.
     fn from(&self, pieces: &[Piece], towards: &Vector3<f64>) -> Fit {
-        let start = self.middle + towards * (START * self.size / towards.norm());
+        let start = self.middle + towards * (START.get() * self.size / towards.norm());
         Fit::new(pieces, &start, self.size, STEPS[0])
     }
 
@@ -108,7 +114,7 @@ impl Densities {
     fn distinct(&self, fits: &[Fit]) -> List<Fit> {
         let mut distinct: List<Fit> = List::new();
         for found in fits.iter().filter(|found| found.scale.is_finite()) {
-            let distance = APART * (found.position - self.middle).norm();
+            let distance = APART.get() * (found.position - self.middle).norm();
             let near = |other: &Fit| (found.position - other.position).norm() <= distance;
             if distinct.len() < MOST_POSITIONS && !distinct.iter().any(near) {
                 distinct.push(*found);
@@ -144,7 +150,7 @@ fn directions() -> impl Iterator<Item = Vector3<f64>> {
 fn pieces(points: &Points, count: usize, middle: &Vector3<f64>, size: f64) -> List<Piece> {
     let step = points.usable.div_ceil(count).max(1);
     let some: Vec<Vector3<f64>> = points.all_usable().step_by(step).map(|p| p - middle).collect();
-    let edge = 2.5 * size * (MANY / some.len() as f64).sqrt();
+    let edge = 2.5 * size * (MANY.get() / some.len() as f64).sqrt();
     /// Cubes to each side of the middle.
     const HALF: f64 = (1_u32 << 20) as f64;
     let cube = |p: &Vector3<f64>| {
@@ -162,7 +168,7 @@ fn pieces(points: &Points, count: usize, middle: &Vector3<f64>, size: f64) -> Li
 impl Piece {
     fn new(points: impl ExactSizeIterator<Item = Vector3<f64>> + Clone) -> Option<Self> {
         let count = points.len() as f64;
-        if count < FEWEST {
+        if count < FEWEST.get() {
             return None;
         }
         let middle = points.clone().sum::<Vector3<f64>>() / count;
@@ -173,7 +179,7 @@ impl Piece {
         let [across, narrow, wide] = order.map(|k| eigen.eigenvalues[k]);
         let normal = eigen.eigenvectors.column(order[0]).into();
         let density = (count / (AREA * (narrow * wide).sqrt())).ln();
-        let is_flat = across <= FLAT * narrow && narrow > BROAD * wide;
+        let is_flat = across <= FLAT.get() * narrow && narrow > BROAD.get() * wide;
         (is_flat && density.is_finite()).then_some(Self { middle, normal, density })
     }
 
@@ -213,7 +219,7 @@ impl Fit {
         for piece in pieces {
             let (expected, derivative) = piece.expected(&self.position);
             let left = piece.density - expected - self.factor;
-            let weight = 1.0 / (1.0 + (left / (DEVIATIONS * self.scale)).powi(2));
+            let weight = 1.0 / (1.0 + (left / (DEVIATIONS.get() * self.scale)).powi(2));
             let row = derivative.push(1.0);
             hessian += row * row.transpose() * weight;
             gradient += row * (weight * left);
