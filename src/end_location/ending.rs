@@ -31,10 +31,9 @@ impl Ending<'_> {
         };
         let inside = rough.inside.then(|| surroundings.state_inside(rough.position, outward)).flatten();
         let state = inside.unwrap_or_else(|| surroundings.state(rough.position, outward));
-        let cut = (state == EndState::Cut).then(|| border::last_inside(silhouette, outward)).flatten();
-        if let Some(position) = cut {
-            // The last pixel lies within a pixel of the border.
-            return End { rim, ..End::new(position, Some(rough.pixel), state, EndSource::Border) };
+        let cut = || border::last_inside(silhouette, surroundings.drawn, outward, rough.pixel);
+        if let Some([position, deviation]) = (state == EndState::Cut).then(cut).flatten() {
+            return End { rim, ..End::new(position, Some(deviation), state, EndSource::Border) };
         }
         // A shoulder has no rim that an image could show.
         let rounded = told.is_some_and(|end| end.sign == EndSign::Shoulder);

@@ -92,6 +92,11 @@ impl<'a> Silhouette<'a> {
         &self.surface
     }
 
+    /// How far the mask reaches beyond the surface, in pixels, where it is known.
+    pub fn bias(&self) -> Option<f64> {
+        self.bias
+    }
+
     pub fn mask(&self) -> &'a Mask {
         self.mask
     }

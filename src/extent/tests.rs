@@ -140,6 +140,24 @@ fn an_end_that_the_border_cuts_off_in_part_is_where_the_rest_of_it_is() {
     }
 }
 
+/// What pixels beside the mask would show of the surface was taken for the end: up to ten stated deviations beyond it.
+#[test]
+fn what_is_stated_of_a_cut_end_holds_the_end_of_the_body() {
+    let mut cut = 0;
+    for (tilt, end) in [0.4, 0.5, -0.4, -0.5].into_iter().flat_map(|tilt| (0..12).map(move |k| (tilt, k))) {
+        let scene = Scene { ends: (-0.0613, 0.11 + 0.003 * f64::from(end)), ..Scene::tilted(tilt) };
+        for with_image in [false, true] {
+            let found = extent(&scene, 0, ExtentRule::Located, with_image);
+            if found.end_state == EndState::Cut {
+                let beyond = errors(&scene, &found)[1] / (found.end_deviation.unwrap() * Scene::PIXELS);
+                assert!(beyond < 2.0, "tilt {tilt}, end {end}: {beyond} deviations");
+                cut += 1;
+            }
+        }
+    }
+    assert!(cut > 8, "{cut}");
+}
+
 /// Such masks looked like ends inside the image at first.
 #[test]
 fn a_mask_that_stops_short_of_the_border_is_cut_off_by_it() {
