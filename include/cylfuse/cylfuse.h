@@ -326,7 +326,8 @@ typedef int32_t cylfuse_start;
  * The cylinder of the last successful fit of the fitter, for frames of a sequence, also after `cylfuse_fitter_clear`.
  * Where its limbs are about where it or the points have them, and look in the image as they did, they are not searched: the
  * search, a great part of the time, is left out, and the result depends on the fits before. Where not, and before the first
- * fit, as AUTO, with that cylinder or the start model one of the candidates.
+ * fit, as AUTO, with that cylinder or the start model one of the candidates. Of points alone that hold several bodies
+ * the one near that cylinder is fitted.
  */
 #define CYLFUSE_START_LAST 5
 
@@ -2458,7 +2459,8 @@ cylfuse_status cylfuse_fitter_get_intrinsics(const struct cylfuse_fitter *fitter
 CYLFUSE_NOEXCEPT;
 
 /**
- * Sets a start model: a candidate for the start AUTO, the start of MODEL.
+ * Sets a start model: a candidate for the start AUTO, the start of MODEL. Of points alone that hold several bodies AUTO and
+ * LAST fit the one near it.
  *
  * @param fitter the fitter
  * @param model in the reference frame, copied; NULL takes the start model away

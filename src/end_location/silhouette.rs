@@ -83,7 +83,7 @@ impl<'a> Silhouette<'a> {
         silhouette
     }
 
-    /// The same mask about a wider surface, which does not show its bias.
+    /// The same mask about a wider surface. Its bias stays that beside the body: the limbs of a collar are too short to show it.
     pub fn wider(&self, surface: Surface<'a>, extremes: (f64, f64)) -> Self {
         Self { surface, extremes, ..*self }
     }

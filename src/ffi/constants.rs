@@ -195,7 +195,8 @@ impl cylfuse_start {
     /// The cylinder of the last successful fit of the fitter, for frames of a sequence, also after `cylfuse_fitter_clear`.
     /// Where its limbs are about where it or the points have them, and look in the image as they did, they are not searched: the
     /// search, a great part of the time, is left out, and the result depends on the fits before. Where not, and before the first
-    /// fit, as AUTO, with that cylinder or the start model one of the candidates.
+    /// fit, as AUTO, with that cylinder or the start model one of the candidates. Of points alone that hold several bodies
+    /// the one near that cylinder is fitted.
     pub const LAST: cylfuse_start = cylfuse_start(5);
 }
 

@@ -187,7 +187,8 @@ pub unsafe extern "C" fn cylfuse_fitter_get_intrinsics(
     }
 }
 
-/// Sets a start model: a candidate for the start AUTO, the start of MODEL.
+/// Sets a start model: a candidate for the start AUTO, the start of MODEL. Of points alone that hold several bodies AUTO and
+/// LAST fit the one near it.
 ///
 /// @param fitter the fitter
 /// @param model in the reference frame, copied; NULL takes the start model away

@@ -65,17 +65,28 @@ impl Fitter {
         let search = DetectionOptions { limits, min_score, ..default };
         let mut looks = Looks::default();
         let mut best: Option<Body> = None;
+        let near_known = |cylinder: &Cylinder| self.near_known(view, cylinder).map_or(0.0, |[both, _]| both);
         let worth = |body: &Body| {
-            let points = || body.points.iter().copied();
-            [self.weight_on_known(view, points()), weight(view, points())].map(|of| body.score * of)
+            let cylinder = view.pose().inverse().cylinder(&body.fit.result.cylinder);
+            let weight = weight(view, body.points.iter().copied());
+            [near_known(&cylinder), weight].map(|of| body.score * of)
         };
+        let known_is_there = self
+            .known_in(view)
+            .is_some_and(|known| near_known(&known) * view.cloud.len() as f64 >= FEWEST as f64);
         loop {
             let asked = RefCell::new(&mut *run);
             let stopped = || asked.borrow_mut().report_again().is_break();
             let seen = detect_points_until(&points, &mut looks, &search, &stopped)?;
             let Some(seen) = seen else { break };
             let whole = seen.whole && chosen.len() == view.cloud.len();
-            for (detection, label) in seen.cylinders.iter().zip(1..).take(MOST_OF_LOOK) {
+            let mut found: List<usize> = (0..seen.cylinders.len()).collect();
+            if known_is_there {
+                let near = |k: &usize| near_known(&seen.cylinders[*k].cylinder);
+                found.sort_by(|a, b| near(b).total_cmp(&near(a)));
+            }
+            for &k in found.iter().take(MOST_OF_LOOK) {
+                let (detection, label) = (&seen.cylinders[k], k as u16 + 1);
                 let numbered = seen.labels.iter().zip(0..).filter(|(of, _)| **of == label);
                 let region = numbered.map(|(_, k)| chosen[looks.given(looks.in_all(k))]).collect();
                 let body = self.body_of(view, region, (detection, whole), run)?;
@@ -85,7 +96,7 @@ impl Fitter {
                 }
             }
             let is_found =
-                |body: &Body| body.is_likely() && (self.known_cylinder().is_none() || worth(body)[0] > 0.0);
+                |body: &Body| body.is_likely() && (!known_is_there || self.is_known(view, &body.fit));
             if best.as_ref().is_some_and(is_found) || !looks.go_on(false, false) || !looks.at_all() {
                 break;
             }
@@ -93,20 +104,35 @@ impl Fitter {
         Ok(best)
     }
 
-    /// The weight of those of some points that are near the cylinder that is known; 0 where none is.
-    fn weight_on_known(&self, view: &View, points: impl Iterator<Item = usize>) -> f64 {
-        let Some(known) = self.known_cylinder() else { return 0.0 };
-        let known = view.pose().inverse().cylinder(known);
-        let is_near =
-            |k: &usize| known.distance(&view.cloud.point(*k)).abs() <= NEAR_BODY.get() * known.radius;
-        weight(view, points.filter(is_near))
+    /// The cylinder that is known, in the coordinates of a view.
+    fn known_in(&self, view: &View) -> Option<Cylinder> {
+        self.known_cylinder().map(|known| view.pose().inverse().cylinder(known))
     }
 
-    /// Whether more of the points of a body than of those of a first fit are near the cylinder that is known.
-    pub(super) fn is_nearer_known(&self, body: &Body, first: &Fitted, view: &View) -> bool {
-        let on = On::new(view, &first.result);
-        let of_first = (0..view.cloud.len()).filter(|&k| on.holds(k));
-        self.weight_on_known(view, body.points.iter().copied()) > self.weight_on_known(view, of_first)
+    /// The weight of the points of a view that are near a cylinder and near the one that is known, and of all that are near it; `None`
+    /// where none is known.
+    fn near_known(&self, view: &View, cylinder: &Cylinder) -> Option<[f64; 2]> {
+        let known = self.known_in(view)?;
+        let is_near =
+            |of: &Cylinder, k: usize| of.distance(&view.cloud.point(k)).abs() <= NEAR_BODY.get() * of.radius;
+        let near = || (0..view.cloud.len()).filter(|&k| is_near(cylinder, k));
+        Some([weight(view, near().filter(|&k| is_near(&known, k))), weight(view, near())])
+    }
+
+    /// Whether most of the points of a view that are near the cylinder of a fit are near the one that is known.
+    fn is_known(&self, view: &View, fit: &Fitted) -> bool {
+        let cylinder = view.pose().inverse().cylinder(&fit.result.cylinder);
+        self.near_known(view, &cylinder).is_some_and(|[both, near]| 2.0 * both >= near)
+    }
+
+    /// Whether a body is meant and not a first fit to all points, which it contradicts: not one beside the cylinder that is known where
+    /// the first fit is to that. And where it is to another, the one that is known is meant.
+    pub(super) fn is_meant(&self, body: &Body, first: &Fitted, view: &View) -> bool {
+        match [&body.fit, first].map(|fit| self.is_known(view, fit)) {
+            [true, false] => contradict(&body.fit.result, &first.result),
+            [false, true] => false,
+            _ => body.contradicts(first, view),
+        }
     }
 
     /// The body of a region that was found, grown over all points unless it has `whole` of it; `None` where that is not round.

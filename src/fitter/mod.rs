@@ -173,7 +173,8 @@ impl Fitter {
         Ok(())
     }
 
-    /// Sets or takes away the start model, in the reference frame.
+    /// Sets or takes away the start model, in the reference frame. Of points alone that hold several bodies [`StartKind::Auto`] and
+    /// [`StartKind::Last`] fit the one near it.
     pub fn set_start(&mut self, start: Option<Cylinder>) {
         self.start = start;
     }

@@ -56,7 +56,7 @@ pub enum StartKind {
     /// [`Fitter::clear`](super::Fitter::clear). Where the limbs are about where that or the points have them, and look in
     /// the image as they did, they are not searched: blur, light and background are those of the last image, and the
     /// result depends on the fits before. Where not, and before the first fit, as `Auto`, with that cylinder or a given
-    /// model one of the candidates.
+    /// model one of the candidates. Of points alone that hold several bodies the one near that cylinder is fitted.
     Last,
 }
 

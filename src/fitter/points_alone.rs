@@ -71,10 +71,8 @@ impl Fitter {
         first: Option<&Fitted>,
         run: &mut Run<'_>,
     ) -> Result<Option<Fitted>> {
-        let is_meant = |body: &Body| match first {
-            Some(first) => body.contradicts(first, view) || self.is_nearer_known(body, first, view),
-            None => body.is_likely(),
-        };
+        let is_meant =
+            |body: &Body| first.map_or_else(|| body.is_likely(), |first| self.is_meant(body, first, view));
         let mut body = self.likely_body(view, run)?.filter(is_meant);
         if let (None, Some(first)) = (&body, first) {
             body = self.body_beside_plane(view, first, run)?.filter(is_meant);
@@ -275,6 +273,21 @@ mod tests {
                 let off = axis.distance(&Vector3::new(2.2, 0.0, 6.0 + by));
                 assert!(off < 0.05, "{seed} {by}: {off}");
             }
+        }
+    }
+
+    /// The one beside it was, as only three of those that were found were looked at.
+    #[test]
+    fn of_five_bodies_the_known_one_is_meant() {
+        for (seed, known) in (0..3).flat_map(|seed| [(seed, 0.0), (seed, 2.0), (seed, 3.0)]) {
+            let of_body = |k: u64| {
+                arc(5 * seed + k, 150.0).into_iter().map(move |[x, y, z]| [x + 2.2 * k as f64, y, z])
+            };
+            let mut fitter = of(&(0..5).flat_map(of_body).collect::<Vec<_>>());
+            let point = Vector3::new(2.2 * known, 0.0, 6.0);
+            fitter.set_start(Some(Cylinder::new(point, Vector3::y(), 1.0).unwrap()));
+            let off = fitter.fit().unwrap().cylinder.axis.distance(&point);
+            assert!(off < 0.05, "{seed} {known}: {off}");
         }
     }
 

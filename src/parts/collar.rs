@@ -144,7 +144,7 @@ pub(super) fn collars(
             sides.iter().flatten().filter_map(|side| side.without(&stretches, Some(k), moved)).collect();
         let of_sides = step_of_sides(&sides, &slices, stretch, moved);
         // Of a thin collar the depth shows the face more than the rim.
-        let of_rim = of_sides.map_or(0.0, |side| side.size);
+        let of_rim = of_sides.filter(|side| agrees(step, *side)).map_or(0.0, |side| side.size);
         let wider = of_rim.max(step.size + depth.upper_part(stretch, step));
         let collar = Collar { stretch: slices.along(stretch, near), radius: radius + wider };
         let at_end = [0, 1].iter().any(|end| collar.closes(*end));
@@ -163,18 +163,20 @@ fn near_end(slices: &Slices, radius: f64) -> usize {
     ((BESIDE_END.get() * radius / slices.length) as usize).min(slices.count / 8)
 }
 
+/// Whether a step of a side is that of the depth.
+fn agrees(depth: Step, side: Step) -> bool {
+    let part = side.size / depth.size;
+    side.ratio() >= SIDES_RATIO.get()
+        && depth.ratio().hypot(side.ratio()) >= BOTH_RATIO.get()
+        && (AGREEMENT.get().recip()..AGREEMENT.get()).contains(&part)
+}
+
 /// Whether a step of the depth, at an end or not, is that of a collar, by the clearest one of the sides near it.
 fn is_confirmed(depth: Step, sides: Option<Step>, at_end: bool) -> bool {
-    let agrees = |side: Step| {
-        let part = side.size / depth.size;
-        side.ratio() >= SIDES_RATIO.get()
-            && depth.ratio().hypot(side.ratio()) >= BOTH_RATIO.get()
-            && (AGREEMENT.get().recip()..AGREEMENT.get()).contains(&part)
-    };
     let contradicts =
         |side: Step| (side.size - depth.size).abs() > AGAINST.get() * depth.deviation.hypot(side.deviation);
     let alone = at_end && depth.ratio() >= ALONE_RATIO.get();
-    sides.is_some_and(agrees) || alone && !sides.is_some_and(contradicts)
+    sides.is_some_and(|side| agrees(depth, side)) || alone && !sides.is_some_and(contradicts)
 }
 
 /// The clearest step of the sides in a stretch that begins and ends so near to another.

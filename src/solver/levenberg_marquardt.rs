@@ -214,7 +214,7 @@ impl<'a, O: Objective + ?Sized> Descent<'a, O> {
         };
         let frame = LocalFrame::new(start, &domain.data_center, unit);
         let Some(equations) = objective.linearise(&frame) else {
-            let reason = "the camera sees no limbs of the cylinder to start from, which is around or behind it; check the intrinsics and the mask";
+            let reason = "the camera sees no limbs of the cylinder to start from, which is around or behind it; check the intrinsics, and the mask if there is one";
             return Err(Error::NoStart { reason: reason.into() });
         };
         let extent = domain.data_center.amax().max(domain.unit);
