@@ -16,7 +16,7 @@ use cylfuse::geometry::Cylinder;
 use cylfuse::scene::{Detector, DetectorOptions};
 use cylfuse::twin::{DepthSensor, Kind, StructuredLight, TimeOfFlight};
 use nalgebra::{DMatrix, DVector};
-use taken::{camera, taken};
+use taken::{camera, capture_frame};
 use truths::{Hits, Truths};
 
 /// Kinds, sensors by name, and seeds of the scenes: as many tables and pipes to one by time of flight as in ../shared/scenes, and
@@ -58,7 +58,7 @@ struct Searched {
 }
 
 fn searched(kind: Kind, sensor: DepthSensor, seed: u64) -> Searched {
-    let (frame, truths) = taken(kind, sensor, seed, seed);
+    let (frame, truths) = capture_frame(kind, sensor, seed, seed);
     let search = DetectionOptions { min_score: 0.0, ..DetectionOptions::default() };
     let rows = [false, true].map(|use_image| {
         let image = frame.image().filter(|_| use_image);

@@ -17,10 +17,11 @@ mod disturbance;
 #[allow(dead_code, reason = "shared with the example accuracy, which uses all of it")]
 #[path = "accuracy/frame.rs"]
 mod frame;
+mod scaled;
 
-use cylfuse::constant::Constant;
 use frame::{Case, Frame, read_set};
 use parallel::map;
+use scaled::{constants, row, with_scaled};
 use std::path::{Path, PathBuf};
 
 /// The mean errors of a set, and how many fits failed.
@@ -62,18 +63,17 @@ fn main() {
             _ => words.push(argument),
         }
     }
-    let sets = ["frames/paper", "frames/wild"].map(|set| {
-        let frames = read_set(&shared, set);
-        frames.into_iter().step_by(every).collect::<Vec<_>>()
-    });
-    let mut constants: Vec<Constant> = [
+    let all = [
         cylfuse::noise::constants(),
         cylfuse::parts::constants(),
         cylfuse::limb_location::constants(),
         cylfuse::end_location::constants(),
-    ]
-    .concat();
-    constants.retain(|constant| words.is_empty() || words.iter().any(|word| constant.name.contains(word)));
+    ];
+    let constants = constants(all.concat(), &words);
+    let sets = ["frames/paper", "frames/wild"].map(|set| {
+        let frames = read_set(&shared, set);
+        frames.into_iter().step_by(every).collect::<Vec<_>>()
+    });
     let before = sets.each_ref().map(|frames| means(frames));
     println!(
         "{} and {} frames; changes of the mean errors in %, constant − 20 % / + 20 %",
@@ -83,14 +83,9 @@ fn main() {
     println!("\n| constant | value | unit | paper E_o | E_p | E_r | E_l | wild E_o | E_p | E_r | E_l |");
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
     for constant in constants {
-        let [less, more] = [0.8, 1.2].map(|factor| {
-            constant.scale(factor);
-            let means = sets.each_ref().map(|frames| means(frames));
-            Constant::reset();
-            means
-        });
+        let [less, more] = [0.8, 1.2]
+            .map(|factor| with_scaled(constant, factor, || sets.each_ref().map(|frames| means(frames))));
         let of_sets: Vec<String> = (0..2).map(|k| changes(&before[k], [&less[k], &more[k]])).collect();
-        let name = constant.name.trim_start_matches("cylfuse::");
-        println!("| {name} | {} | {} | {} |", constant.value, constant.unit, of_sets.join(" | "));
+        println!("{}", row(&constant, &of_sets));
     }
 }

@@ -2,12 +2,13 @@
 //! scenes of the twin, with the image and by depth alone, when it is 20 % smaller or larger.
 //! `cargo run --release --features twin,sensitivity --example sensitivity_scenes` prints all that scenes reach as a table, which
 //! takes two hours on one core; `-- score:: REACH` those whose names contain one of the words, `-- --image 4 --depth 2` in every
-//! fourth scene with the image and in every second one by depth, 0 for none, `-- --seeds 9001` in scenes from another seed on,
+//! fourth scene with the image and in every second one by depth, 0 for none (there are no columns for these then), `-- --seeds 9001` in scenes from another seed on,
 //! `-- --noise 1` in the same scenes with other noise, `-- --factors 0.5,2` by other factors.
 #![allow(clippy::unwrap_used)] // A measurement that can't run should stop.
 
 #[path = "../tests/support/parallel.rs"]
 mod parallel;
+mod scaled;
 #[path = "scenes/taken.rs"]
 mod taken;
 #[allow(dead_code, reason = "shared with the command bench, which uses all of it")]
@@ -20,7 +21,8 @@ use cylfuse::geometry::Cylinder;
 use cylfuse::observations::Frame;
 use cylfuse::scene::{Detector, DetectorOptions};
 use cylfuse::twin::{DepthSensor, Kind, StructuredLight};
-use taken::taken;
+use scaled::{name, row, with_scaled};
+use taken::capture_frame;
 use truths::{Hits, Truths};
 
 /// Kinds of scenes, and how many of each.
@@ -30,7 +32,13 @@ const KINDS: [(Kind, u64); 3] = [(Kind::Table, 24), (Kind::Pipes, 12), (Kind::No
 const ELSEWHERE: [&str; 4] = ["::cloud::", "::regions::", "::region::", "::caps::"];
 
 /// What counts after the search as well: where it finds the same as before, the rest is not the same for that.
-const AFTER_SEARCH: [&str; 4] = ["::score::", "::scene::", "::limb_pairs::", "::LIMBS_TURN"];
+const AFTER_SEARCH: [&str; 5] = ["::score::", "::scene::", "::limb_pairs::", "::edges::", "::LIMBS_TURN"];
+
+/// How scenes are looked at.
+const HOW: [&str; 2] = ["with the image", "by depth alone"];
+
+/// The mean error of the radius changes by this much or more, in %, where a constant matters, though the same number is found.
+const MATTERS: f64 = 3.0;
 
 /// The least score of a search: less than the least before a fit that leads to anything.
 const LEAST_SCORE: f64 = 0.02;
@@ -64,6 +72,7 @@ impl Arguments {
                 _ => read.words.push(argument),
             }
         }
+        assert!(read.every != [0; 2], "nothing is looked at: --image or --depth has to be more than 0");
         read
     }
 
@@ -83,18 +92,17 @@ impl Arguments {
             .collect();
         parallel::map(&jobs, |(index, (kind, k))| {
             let seed = self.seeds + k;
-            let (frame, truths) = taken(*kind, light, seed, seed + 1000 * self.noise);
+            let (frame, truths) = capture_frame(*kind, light, seed, seed + 1000 * self.noise);
             (*index, frame, truths)
         })
     }
 
     fn constants(&self) -> Vec<Constant> {
-        let mut constants = [cylfuse::detection::constants(), cylfuse::scene::constants()].concat();
-        constants.retain(|constant| match self.words.as_slice() {
-            [] => !ELSEWHERE.iter().any(|word| constant.name.contains(word)),
-            words => words.iter().any(|word| constant.name.contains(word)),
-        });
-        constants
+        let mut all = [cylfuse::detection::constants(), cylfuse::scene::constants()].concat();
+        if self.words.is_empty() {
+            all.retain(|constant| !ELSEWHERE.iter().any(|word| constant.name.contains(word)));
+        }
+        scaled::constants(all, &self.words)
     }
 }
 
@@ -165,98 +173,116 @@ impl Outcome {
         self.hits.found.iter().map(|[_, radius]| radius).sum::<f64>() / self.hits.found.len() as f64
     }
 
-    /// What changed since another one: right, wrong, the error of the radius in %; "·" where all is the same to the last bit.
-    fn changes(&self, before: &Self) -> [String; 3] {
-        if self.found == before.found {
-            return ["·", "·", "·"].map(String::from);
-        }
-        let change = |after: usize, before: usize| match after as i64 - before as i64 {
-            0 => "0".into(),
-            change => format!("{change:+}"),
-        };
-        let radius = (self.radius() / before.radius() - 1.0) * 100.0;
-        [
-            change(self.hits.found.len(), before.hits.found.len()),
-            change(self.hits.wrong, before.hits.wrong),
-            format!("{radius:+.0}"),
-        ]
+    /// What changed since another one; `None` where all is the same to the last bit.
+    fn change(&self, before: &Self) -> Option<Change> {
+        (self.found != before.found).then(|| Change {
+            right: self.hits.found.len() as i64 - before.hits.found.len() as i64,
+            wrong: self.hits.wrong as i64 - before.hits.wrong as i64,
+            radius: (self.radius() / before.radius() - 1.0) * 100.0,
+        })
     }
 }
 
-/// What was found with a constant that is so many times as large.
-fn scaled(cases: &[Vec<Baseline<'_>>; 2], constant: Constant, factor: f64) -> [Outcome; 2] {
-    constant.scale(factor);
-    let outcomes = cases.each_ref().map(|cases| {
-        let found = parallel::map(cases, |baseline| baseline.again(&constant));
-        Outcome::new(cases, found)
-    });
-    Constant::reset();
-    outcomes
+/// How many more are found rightly and wrongly, and by how much the mean error of the radius changes, in %.
+struct Change {
+    right: i64,
+    wrong: i64,
+    radius: f64,
 }
 
-/// Whether what was found is the same to the last bit.
-fn is_same(before: &[Outcome; 2], after: &[Outcome; 2]) -> bool {
-    before.iter().zip(after).all(|(before, after)| before.found == after.found)
+impl Change {
+    fn matters(&self) -> bool {
+        self.right != 0 || self.wrong != 0 || !(self.radius.round().abs() < MATTERS)
+    }
+
+    /// As columns.
+    fn shown(change: Option<&Self>) -> [String; 3] {
+        let signed = |number: i64| if number == 0 { "0".into() } else { format!("{number:+}") };
+        match change {
+            None => ["·", "·", "·"].map(String::from),
+            Some(Self { right, wrong, radius }) => [signed(*right), signed(*wrong), format!("{radius:+.0}")],
+        }
+    }
 }
 
-fn short(constant: &Constant) -> &'static str {
-    constant.name.trim_start_matches("cylfuse::")
+/// The scenes that are looked at in one way, and what is found in them by the constants as they are.
+struct Look<'a> {
+    how: &'static str,
+    cases: Vec<Baseline<'a>>,
+    before: Outcome,
+}
+
+impl<'a> Look<'a> {
+    /// `None` where no scene is looked at in this way.
+    fn new(arguments: &Arguments, scenes: &'a [(usize, Frame, Truths)], how: &'static str) -> Option<Self> {
+        let use_image = how == HOW[0];
+        let some: Vec<_> = scenes.iter().filter(|(index, ..)| arguments.asks(*index, use_image)).collect();
+        let cases =
+            parallel::map(&some, |(_, frame, truths)| Baseline::new(Case { frame, truths, use_image }));
+        let found = cases.iter().map(|baseline| baseline.found.clone()).collect();
+        let before = Outcome::new(&cases, found);
+        (!cases.is_empty()).then_some(Self { how, cases, before })
+    }
+
+    fn print(&self) {
+        let Hits { found, missed, wrong } = &self.before.hits;
+        let (count, all, radius) = (self.cases.len(), found.len() + missed, self.before.radius());
+        let (how, found) = (self.how, found.len());
+        println!("{count} scenes {how}: {found} of {all} found, {wrong} wrong, mean E_r {radius:.2} %");
+    }
+
+    /// What changes with a constant that is scaled now.
+    fn change(&self, constant: &Constant) -> Option<Change> {
+        let found = parallel::map(&self.cases, |baseline| baseline.again(constant));
+        Outcome::new(&self.cases, found).change(&self.before)
+    }
+}
+
+/// What changes with a constant that is so many times as large, by the way of looking.
+fn changes(looks: &[Look<'_>], constant: Constant, factor: f64) -> Vec<Option<Change>> {
+    with_scaled(constant, factor, || looks.iter().map(|look| look.change(&constant)).collect())
+}
+
+/// Prints the rows of those that matter, and returns which change something all the same, and which nothing.
+fn print_rows(looks: &[Look<'_>], constants: &[Constant], factors: [f64; 2]) -> [Vec<Constant>; 2] {
+    let [mut slight, mut idle] = [Vec::new(), Vec::new()];
+    for constant in constants {
+        let [less, more] = factors.map(|factor| changes(looks, *constant, factor));
+        let mut all = less.iter().chain(&more).flatten().peekable();
+        if all.peek().is_none() {
+            idle.push(*constant);
+        } else if all.any(Change::matters) {
+            let columns = less.iter().zip(&more).flat_map(|(less, more)| {
+                let [less, more] = [less, more].map(|change| Change::shown(change.as_ref()));
+                less.into_iter().zip(more).map(|(less, more)| format!("{less} / {more}"))
+            });
+            println!("{}", row(constant, &columns.collect::<Vec<_>>()));
+        } else {
+            slight.push(*constant);
+        }
+    }
+    [slight, idle]
 }
 
 fn main() {
     let arguments = Arguments::read();
-    let scenes = arguments.scenes();
-    let cases = [true, false].map(|use_image| {
-        let some = scenes.iter().filter(|(index, ..)| arguments.asks(*index, use_image));
-        let cases: Vec<_> = some.collect();
-        parallel::map(&cases, |(_, frame, truths)| Baseline::new(Case { frame, truths, use_image }))
-    });
-    let before = cases.each_ref().map(|cases| {
-        let found = cases.iter().map(|baseline| baseline.found.clone());
-        Outcome::new(cases, found.collect())
-    });
-    for ((outcome, cases), how) in before.iter().zip(&cases).zip(["with the image", "by depth alone"]) {
-        let Hits { found, missed, wrong } = &outcome.hits;
-        let all = found.len() + missed;
-        println!(
-            "{} scenes {how}: {} of {all} found, {wrong} wrong, mean E_r {:.2} %",
-            cases.len(),
-            found.len(),
-            outcome.radius()
-        );
-    }
     let constants = arguments.constants();
-    if constants.is_empty() {
-        return;
-    }
+    let scenes = arguments.scenes();
+    let looks: Vec<Look<'_>> = HOW.iter().filter_map(|how| Look::new(&arguments, &scenes, how)).collect();
+    looks.iter().for_each(Look::print);
     let [less, more] = arguments.factors;
-    println!("\nChanges, constant × {less} / × {more}\n");
-    println!("| constant | value | unit | image: right | wrong | E_r (%) | depth: right | wrong | E_r (%) |");
-    println!("|---|---|---|---|---|---|---|---|---|");
-    let mut idle = Vec::new();
-    for constant in constants {
-        let [less, more] = arguments.factors.map(|factor| scaled(&cases, constant, factor));
-        if is_same(&before, &less) && is_same(&before, &more) {
-            idle.push(constant);
-            continue;
-        }
-        let columns = (0..2).flat_map(|k| {
-            let (less, more) = (less[k].changes(&before[k]), more[k].changes(&before[k]));
-            less.into_iter().zip(more).map(|(less, more)| format!("{less} / {more}"))
-        });
-        let columns: Vec<String> = columns.collect();
-        println!(
-            "| {} | {} | {} | {} |",
-            short(&constant),
-            constant.value,
-            constant.unit,
-            columns.join(" | ")
-        );
-    }
-    let names = |constants: &[Constant]| constants.iter().map(short).collect::<Vec<_>>().join(", ");
+    println!("\nChanges, constant × {less} / × {more}; E_r: relative change of its mean\n");
+    let columns = looks.iter().map(|look| format!("{}: right | wrong | E_r (%) |", look.how));
+    println!("| constant | value | unit | {}", columns.collect::<Vec<_>>().join(" "));
+    println!("|---|---|---|{}", "---|---|---|".repeat(looks.len()));
+    let [slight, mut idle] = print_rows(&looks, &constants, arguments.factors);
+    let names = |constants: &[Constant]| {
+        constants.iter().map(|one| format!("`{}`", name(one))).collect::<Vec<_>>().join(", ")
+    };
+    println!("\nNeither right nor wrong changes, and E_r by less than {MATTERS} %: {}", names(&slight));
     println!("\nNo change to the last bit: {}", names(&idle));
     idle.retain(|constant| {
-        [0.5, 2.0].into_iter().all(|factor| is_same(&before, &scaled(&cases, *constant, factor)))
+        [0.5, 2.0].iter().all(|factor| changes(&looks, *constant, *factor).iter().all(Option::is_none))
     });
     println!("\nNor × 0.5 / × 2: {}", names(&idle));
 }

@@ -10,8 +10,12 @@
 mod frames;
 #[path = "../tests/support/parallel.rs"]
 mod parallel;
+#[cfg(feature = "sensitivity")]
+mod scaled;
 
 use cylfuse::camera::{Camera, Distortion, Intrinsics};
+#[cfg(feature = "sensitivity")]
+use cylfuse::constant::Constant;
 use cylfuse::fitter::{Fitter, Options, StartKind};
 use cylfuse::geometry::{Cylinder, RigidMotion};
 use cylfuse::observations::{DepthRange, DepthView, EdgeSegment, ImageView, MaskView};
@@ -193,20 +197,21 @@ fn print(set: &Set) {
     }
 }
 
-/// How the mean of E_r changes with each constant whose name has one of the words, in percent by set.
+/// The constants that the arguments ask for: none without them.
 #[cfg(feature = "sensitivity")]
-fn print_changes(sets: &[Set], words: &[String]) {
-    use cylfuse::constant::Constant;
-    let mut constants: Vec<Constant> = [
+fn constants() -> Vec<Constant> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let all = [
         cylfuse::fitter::constants(),
         cylfuse::limb_location::constants(),
         cylfuse::end_location::constants(),
-    ]
-    .concat();
-    constants.retain(|constant| words.iter().any(|word| constant.name.contains(word)));
-    if constants.is_empty() {
-        return;
-    }
+    ];
+    if words.is_empty() { Vec::new() } else { scaled::constants(all.concat(), &words) }
+}
+
+/// How the mean of E_r changes with each of some constants, in percent by set.
+#[cfg(feature = "sensitivity")]
+fn print_changes(sets: &[Set], constants: &[Constant]) {
     let radius = |set: &Set| mean(&set.errors(StartKind::Last).radius);
     let before: Vec<f64> = sets.iter().map(radius).collect();
     let names: Vec<&str> = sets.iter().map(|set| &set.name[..]).collect();
@@ -214,10 +219,7 @@ fn print_changes(sets: &[Set], words: &[String]) {
     println!("|---|---|---|{}", "---|".repeat(sets.len()));
     for constant in constants {
         let [less, more] = [0.8, 1.2].map(|factor| {
-            constant.scale(factor);
-            let after: Vec<f64> = sets.iter().map(radius).collect();
-            Constant::reset();
-            after
+            scaled::with_scaled(*constant, factor, || sets.iter().map(radius).collect::<Vec<f64>>())
         });
         let change = |k: usize, after: f64| match after == before[k] {
             true => "·".to_string(),
@@ -225,8 +227,7 @@ fn print_changes(sets: &[Set], words: &[String]) {
         };
         let columns: Vec<String> =
             (0..sets.len()).map(|k| format!("{} / {}", change(k, less[k]), change(k, more[k]))).collect();
-        let name = constant.name.trim_start_matches("cylfuse::");
-        println!("| {name} | {} | {} | {} |", constant.value, constant.unit, columns.join(" | "));
+        println!("{}", scaled::row(constant, &columns));
     }
 }
 
@@ -253,6 +254,8 @@ fn sets() -> Vec<Set> {
 }
 
 fn main() {
+    #[cfg(feature = "sensitivity")]
+    let constants = constants();
     let sets = sets();
     println!(
         "| sequences | fits | frames | E_r mean (%) | 90 % | E_o mean (°) | 90 % | scatter of the radius (%) |"
@@ -260,5 +263,7 @@ fn main() {
     println!("|---|---|---|---|---|---|---|---|");
     sets.iter().for_each(print);
     #[cfg(feature = "sensitivity")]
-    print_changes(&sets, &std::env::args().skip(1).collect::<Vec<_>>());
+    if !constants.is_empty() {
+        print_changes(&sets, &constants);
+    }
 }

@@ -8,6 +8,8 @@
 
 #[path = "../tests/support/parallel.rs"]
 mod parallel;
+#[cfg(feature = "sensitivity")]
+mod scaled;
 #[path = "../tests/support/mod.rs"]
 mod support;
 
@@ -297,7 +299,7 @@ fn summary(kinds: &[Kind]) -> [f64; 4] {
 
 #[cfg(feature = "sensitivity")]
 fn print_changes(kinds: &[Kind], words: &[String]) {
-    use cylfuse::constant::Constant;
+    let constants = scaled::constants(cylfuse::fitter::constants(), words);
     let shown =
         |[error, silent, bodies, others]: [f64; 4]| format!("{error:.3} | {silent} | {bodies} | {others}");
     println!(
@@ -305,15 +307,10 @@ fn print_changes(kinds: &[Kind], words: &[String]) {
     );
     println!("|---|---|---|---|---|---|---|---|");
     println!("| none | | | 1 | {} |", shown(summary(kinds)));
-    let mut constants = cylfuse::fitter::constants();
-    constants.retain(|constant| words.iter().any(|word| constant.name.contains(word)));
     for constant in constants {
         for factor in [0.8, 1.2] {
-            constant.scale(factor);
-            let after = summary(kinds);
-            Constant::reset();
-            let name = constant.name.trim_start_matches("cylfuse::");
-            println!("| {name} | {} | {} | {factor} | {} |", constant.value, constant.unit, shown(after));
+            let after = scaled::with_scaled(constant, factor, || summary(kinds));
+            println!("{}", scaled::row(&constant, &[factor.to_string(), shown(after)]));
         }
     }
 }

@@ -33,7 +33,8 @@ impl Constant {
     }
 }
 
-/// Defines constants, each with its value and its unit, and the list of them.
+/// Defines constants, each with its value and its unit, and the list of them. A value that follows from that of another constant is
+/// written by it (`2.0 * OTHER.value`); each is scaled alone all the same.
 macro_rules! constants {
     ($($(#[$meta:meta])* $vis:vis $name:ident = $value:expr, $unit:literal;)*) => {
         $(

@@ -15,14 +15,14 @@ pub fn camera() -> Camera {
 }
 
 /// A frame of a scene with the noise of another seed, and what is true of it.
-pub fn taken(kind: Kind, sensor: DepthSensor, seed: u64, noise: u64) -> (Frame, Truths) {
+pub fn capture_frame(kind: Kind, sensor: DepthSensor, seed: u64, noise: u64) -> (Frame, Truths) {
     let scene = random_scene(kind, seed).unwrap();
     let picture = PictureOptions::default();
     let options = CaptureOptions { camera: camera(), picture, sensor, registered: true };
-    let taken = capture(&scene, &options, noise).unwrap();
+    let captured = capture(&scene, &options, noise).unwrap();
     let mut frame = Frame::new(camera());
-    let depth = DepthView::from_u16(&taken.depth, SIZE, DEPTH_UNIT).unwrap();
+    let depth = DepthView::from_u16(&captured.depth, SIZE, DEPTH_UNIT).unwrap();
     frame.set_depth(&depth, &DepthRange::default()).unwrap();
-    frame.set_image(&ImageView::from_u8(&taken.image, SIZE).unwrap()).unwrap();
-    (frame, Truths::new(&scene, &taken))
+    frame.set_image(&ImageView::from_u8(&captured.image, SIZE).unwrap()).unwrap();
+    (frame, Truths::new(&scene, &captured))
 }

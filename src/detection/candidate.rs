@@ -30,14 +30,14 @@ constants! {
     LEAST_COVERED = 0.2, "limb";
 
     /// How far from a start the cells may be that a fit is made to first, and the steps of that fit.
-    FIRST_REACH = 12.0, "σ";
+    FIRST_REACH = 4.0 * REACH.value, "σ";
     FIRST_STEPS = 6.0, "";
 
     /// Steps of the fits that follow.
     LAST_STEPS = 4.0, "";
 
-    /// A part of the cells more or fewer that changes nothing.
-    SETTLED = 0.02, "";
+    /// What belongs to a cylinder has settled where it grows or shrinks by this part of itself at most.
+    pub(crate) SETTLED = 0.02, "";
 }
 
 /// Most cells that a surface is fitted to, evenly chosen from more: a bound on the time.

@@ -24,12 +24,12 @@ constants! {
     /// The standard deviation across an edge in pixels: a step blurred by up to this much.
     WIDEST = 2.0, "px";
 
-    /// Gradients that are less than this part of the largest do not count: images without noise have no quartile.
-    LEAST_STRENGTH = 0.01, "";
-
-    /// A gradient stands out where it is at least one by this as strong as any beside it across the edge.
+    /// An edge pixel's gradient times this is at least any gradient beside it across the edge.
     STANDS_OUT = 2.0, "";
 }
+
+/// Gradients that are less than this part of the largest do not count: images without noise have no quartile.
+const LEAST_STRENGTH: f32 = 0.01;
 
 /// The lower quartile of the magnitude of a gradient of noise (Rayleigh) in standard deviations of one component.
 const QUARTILE: f64 = 0.7585;
@@ -275,7 +275,7 @@ fn threshold(magnitudes: &[f32]) -> Option<f32> {
     let largest = || magnitudes.iter().map(|size| size.to_bits()).max();
     let largest = f32::from_bits(Arch::new().dispatch(largest)?);
     let threshold = (SIGNIFICANT.get() / QUARTILE) as f32 * quartile;
-    (largest > 0.0).then_some(threshold.max(LEAST_STRENGTH.get() as f32 * largest))
+    (largest > 0.0).then_some(threshold.max(LEAST_STRENGTH * largest))
 }
 
 /// The number without sign that a quarter of those in a list lie below; `None` of no numbers.

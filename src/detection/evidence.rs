@@ -6,6 +6,7 @@ use super::grid::Grid;
 use super::outline::{Beyond, DRAWN_OUT, Side};
 use super::planes::PlaneSums;
 use super::rays::Band;
+use super::score::{MOST, ONE_LIMB};
 use super::surface::{REACH, Surface, middle, slope};
 use crate::geometry::{Cylinder, any_orthogonal};
 use crate::memory::List;
@@ -63,9 +64,6 @@ constants! {
     /// Lids are wider than their cans by this part of the radius.
     LID = 0.04, "radius";
 
-    /// Evidence of the shape with which a candidate need not be looked at any more.
-    HOPELESS = -4.0, "log odds";
-
     /// What rays see is looked at within this part of the radius: nearer to the limbs depth is drawn to what lies beside them.
     SEEN_PART = 0.8, "radius";
 
@@ -76,14 +74,12 @@ constants! {
     /// Steps of the fits of other surfaces.
     STEPS = 6.0, "";
 
-    /// The parts of both limbs together that edges cover where what looks hopeless is compared with other surfaces all the same.
-    ONE_LIMB = 1.0, "limb";
-
     /// What rays see is not looked at nearer to the ends.
     ENDS = 0.1, "length";
 
-    /// What is farther off the surface than this, or than a lid, is seen through it, but in front of it by less than the last of these.
-    OFF = 1.3, "REACH";
+    /// A cell farther off the surface than this (or than a lid) counts as seen through. One more than `IN_FRONT` in front of it belongs to
+    /// something else.
+    OFF = 1.3 * REACH.value, "σ";
     IN_FRONT = 0.5, "radius";
 }
 
@@ -164,10 +160,9 @@ impl Scene<'_> {
         // What is seen behind and every other surface only lower the score.
         if evidence.score() >= least {
             self.see_through(&cylinder, candidate, look.range, &mut evidence);
-            // What the sides rule out needs no other surface, which would take most of the time.
-            if evidence.shape() > HOPELESS.get()
-                || evidence.limbs.is_some_and(|[a, b]| a + b > ONE_LIMB.get())
-            {
+            // What the shape rules out as far as it can needs no other surface, which would take most of the time, unless edges
+            // are along more than one limb.
+            if evidence.shape() > -MOST.get() || evidence.limbs.is_some_and(|[a, b]| a + b > ONE_LIMB.get()) {
                 let length = evidence.length * cylinder.radius;
                 self.compare(candidate, across, length, least, &mut evidence, mark);
             }
@@ -335,7 +330,7 @@ impl Scene<'_> {
             if along < first + inset || along > last - inset {
                 continue;
             }
-            let tolerance = (OFF.get() * REACH.get() / information.sqrt()).max(LID.get() * cylinder.radius);
+            let tolerance = (OFF.get() / information.sqrt()).max(LID.get() * cylinder.radius);
             if behind > tolerance || behind < -tolerance && behind > -IN_FRONT.get() * cylinder.radius {
                 through += 1.0;
             } else if behind.abs() <= tolerance {

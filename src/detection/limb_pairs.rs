@@ -47,12 +47,12 @@ constants! {
     FLATTEST = 0.3, "";
     ROUNDEST = 1.7, "";
 
-    /// By how much more it may differ.
+    /// The ratio may miss these bounds by so many of its deviations.
     CURVATURE_ERROR = 2.0, "σ";
 
     /// An edge may be as far from a limb as this part of its length and so many pixels more: a short one turns by less on a limb.
     OF_LENGTH = 0.2, "length";
-    MORE = 0.3, "px";
+    AND_PIXELS = 0.3, "px";
 
     /// How far cells may lie off the surface between two edges, in standard deviations and widths together.
     PROFILE_REACH = 4.0, "σ";
@@ -179,7 +179,8 @@ impl ImageEdges {
         for limb in self.limbs(cylinder, range)? {
             let mut pieces = 0_u32;
             for (edge, edge_length) in self.edges.iter().zip(&self.lengths) {
-                let reach = (reach * self.pixel).min(OF_LENGTH.get() * edge_length + MORE.get() * self.pixel);
+                let reach =
+                    (reach * self.pixel).min(OF_LENGTH.get() * edge_length + AND_PIXELS.get() * self.pixel);
                 if edge.ends.iter().any(|p| (p - limb.start).dot(&limb.across).abs() > reach) {
                     continue;
                 }

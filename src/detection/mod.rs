@@ -27,6 +27,7 @@ mod settle;
 mod shift;
 mod surface;
 
+pub(crate) use candidate::SETTLED;
 pub(crate) use cloud::{Looks, detect_points_until, grown, is_round, reach_of};
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
@@ -61,7 +62,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
 
 pub(crate) use rays::{Band, meets};
 pub(crate) use region::{detect_in_mask, widened};
-pub(crate) use score::{least_before_fit, with_odds_divided};
+pub(crate) use score::{ONE_LIMB, least_before_fit, with_odds_divided};
 
 use crate::camera::Camera;
 use crate::error::{Error, Result, cancelled_if};

@@ -6,11 +6,11 @@ use crate::statistics::{DEVIATION_OF_MEDIAN, LOWER_QUARTILE, lower_quartile_abso
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-constants! {
-    /// How far the cells of a second difference are apart: structured light averages over up to 11 pixels, so that
-    /// nearer cells share their error. 4 cells of 3 pixels do not.
-    LAG = 4.0, "cells";
+/// How far the cells of a second difference are apart: structured light averages over up to 11 pixels, so that
+/// nearer cells share their error. 4 cells of 3 pixels do not. [`DIRECTIONS`] are as long.
+const LAG: usize = 4;
 
+constants! {
     /// Where fewer cells than this share an error no window has matched them.
     SHARED = 2.0, "cells";
 
@@ -132,7 +132,7 @@ impl Noise {
     /// The noise of an image, and that of each cell; `None` where too little was measured.
     pub fn estimate(grid: &mut Grid) -> Option<Self> {
         let w: List<f64> = grid.cells.iter().map(|cell| cell.w).collect();
-        let far = differences(grid, &w, LAG.count());
+        let far = differences(grid, &w, LAG);
         if far.len() < FEWEST.count() {
             return None;
         }
@@ -182,7 +182,7 @@ mod tests {
             let w: Vec<f64> = cells.iter().map(|cell| cell.w).collect();
             let bounds = Default::default();
             let grid = Grid { columns, rows, side: 3, spacing: 0.01, cells, rays, bounds, inner: Vec::new() };
-            for lag in [1, LAG.count(), 6] {
+            for lag in [1, LAG, 6] {
                 let mut plain = Vec::new();
                 let mut add = |positions: [f64; 3], which: [usize; 3]| {
                     let [a, b, c] = which.map(|k| w[k]);

@@ -44,6 +44,7 @@ constants! {
     /// The cosine of the angle between ray and normal from which on a surface is none: steep ramps between an outline and the background.
     STEEP = 0.3, "";
 }
+
 /// What follows the outermost cell of a line across the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Beyond {

@@ -31,7 +31,7 @@ constants! {
     /// The axes of parts pass each other within this.
     MOST_ASIDE = 1.0, "radius";
 
-    /// The middle of a part lies as near to the axis of the other one.
+    /// The middle of a part is at most this far from the axis of the other.
     MOST_BESIDE = 1.5, "radius";
 
     /// Two candidates are parts of one cylinder where so much of their cells is of one of them alone. Others explain the same cells in two

@@ -5,6 +5,7 @@ use super::effort::Effort;
 use super::grid::{Cell, Grid};
 use super::moments::Moments;
 use super::noise::Noise;
+use super::surface::REACH;
 use crate::memory::List;
 use crate::statistics::median;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -13,14 +14,11 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 const BLOCK: usize = 4;
 
 constants! {
-    /// A cell belongs to a plane within this many standard deviations.
-    REACH = 3.0, "σ";
-
     /// Fewest cells of a plane: four blocks.
     FEWEST = (4 * BLOCK * BLOCK) as f64, "cells";
 
     /// The most that a plane may bend between its middle and its border, in standard deviations: a strip of a cylinder,
-    /// which ends where the surface leaves the reach of its plane, bends by two thirds of the 2 · REACH that it spans.
+    /// which ends where the surface leaves the reach of its plane, bends by two thirds of the 2 · [`REACH`] that it spans.
     FLAT = 1.5, "σ";
 
     /// The most that the cells of a plane may spread, in standard deviations: where the plane only passes through curved

@@ -22,7 +22,7 @@ constants! {
 
     /// By how much limits are widened: the cylinder is only to tell the body from the rest. Depth makes the radius up to a third
     /// too large, and caps tell the direction to 0.15 radians.
-    RADIUS_ERROR = 1.33, "";
+    RADIUS_FACTOR = 1.33, "";
     DIRECTION_ERROR = 0.15, "rad";
 
     /// The gain times the score of a cylinder at least: with less, all of the mask is as good a guess.
@@ -123,5 +123,5 @@ fn cells_around(
 
 /// Limits within which a rough cylinder is looked for.
 pub(crate) fn widened(limits: &CylinderLimits) -> CylinderLimits {
-    limits.widened([1.0 / RADIUS_ERROR.get(), RADIUS_ERROR.get()], DIRECTION_ERROR.get())
+    limits.widened([1.0 / RADIUS_FACTOR.get(), RADIUS_FACTOR.get()], DIRECTION_ERROR.get())
 }

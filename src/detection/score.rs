@@ -30,7 +30,7 @@ constants! {
     OVERHANG = 10.0, "log odds";
 
     /// More evidence than this tells nothing more: what is left is what no model here knows.
-    MOST = 4.0, "log odds";
+    pub(super) MOST = 4.0, "log odds";
 
     /// Cylinders longer than this many radii are no more certain for it.
     LONG = 6.0, "radius";
@@ -39,8 +39,7 @@ constants! {
     /// taper by a hundredth, which many points tell for certain.
     USUAL_SLOPE = 0.01, "";
 
-    /// Odds, standard deviations of a slope and slopes beyond these tell nothing more.
-    MOST_ODDS = 1e4, "log odds";
+    /// Standard deviations of a slope and slopes beyond these tell nothing more.
     MOST_DEVIATIONS = 6.0, "σ";
     STEEP = 0.3, "";
 
@@ -56,10 +55,12 @@ constants! {
     /// up to 20 with an image in 99.8 of 100 candidates; with 17 nothing more is found in ../shared/scenes.
     MOST_BY_FIT = 13.0, "odds";
 
-    /// The same where the depth shows both limbs, but edges cover less than [`COVERED`] of them together: in recorded scenes, where depth
+    /// The same where the depth shows both limbs, but edges cover less than [`ONE_LIMB`] of them together: in recorded scenes, where depth
     /// lies pixels beside the image, limbs may be located by the fit alone.
     MOST_BY_LIMBS = 40.0, "odds";
-    COVERED = 1.0, "limb";
+
+    /// The parts of both limbs together that edges of the image cover where they hold the radius: as much as one whole limb.
+    pub(crate) ONE_LIMB = 1.0, "limb";
 
     /// The depth shows a limb where so much of it is visible.
     SHOWN = 0.5, "";
@@ -85,6 +86,9 @@ constants! {
     /// more.
     OF_OVERHANG = 3.0, "log odds/px";
 }
+
+/// A logarithm of odds beyond this tells nothing more: a bound that keeps what is infinite finite.
+const MOST_LOG_ODDS: f64 = 1e4;
 
 /// What [`Evidence::terms`] count in the logarithm of the odds, and what is added to that. After a fit: by logistic
 /// regressions on the candidates in scenes of the twin, from the example `score_weights` before located limbs told the slope and [`USUAL_SLOPE`] counted. Before it, where the search takes
@@ -148,7 +152,7 @@ impl Evidence {
 
     /// Whether a fit may raise the score before it to a given one.
     pub(crate) fn may_reach(&self, score: f64) -> bool {
-        let uncovered = self.limbs.is_some_and(|limbs| limbs.iter().sum::<f64>() < COVERED.get());
+        let uncovered = self.limbs.is_some_and(|limbs| limbs.iter().sum::<f64>() < ONE_LIMB.get());
         let shown = self.visible.iter().all(|part| *part >= SHOWN.get());
         self.score() >= least_before_fit(score, uncovered && shown)
     }
@@ -161,7 +165,7 @@ impl Evidence {
     pub fn terms(&self) -> [f64; 12] {
         let [least, most] = [LEAST_DEVIATION.get(), MOST_DEVIATION.get()];
         let [slope, uncertainty] = self.slope.unwrap_or([0.0, f64::INFINITY]).map(f64::abs);
-        let sphere = self.over_sphere.clamp(-MOST_ODDS.get(), MOST_ODDS.get());
+        let sphere = self.over_sphere.clamp(-MOST_LOG_ODDS, MOST_LOG_ODDS);
         [
             self.depth(),
             self.shape(),

@@ -4,7 +4,7 @@ use super::candidate::{Candidate, Look, Marks, Scene, Sides};
 use super::effort::Effort;
 use super::evidence::Evidence;
 use super::grid::Grid;
-use super::limb_pairs::ImageEdges;
+use super::limb_pairs::{ImageEdges, ON_LIMB};
 use super::moments::Moments;
 use super::noise::Noise;
 use super::surface::Surface;
@@ -26,7 +26,7 @@ constants! {
     /// search does not.
     DIRECTION_ERROR = 0.1, "rad";
 
-    /// Patches must have this part of the cells of a full one, or lie on a narrow body.
+    /// Patches with fewer cells lead to nothing.
     FEWEST = 12.0, "cells";
 
     /// The part of what a candidate explains that counts where its score is zero: of two that explain the same cells the
@@ -62,12 +62,12 @@ constants! {
     KNOWN = 0.8, "";
 
     /// How far edges may be from the limbs of a cylinder by a pair of them.
-    PAIR_REACH = 3.0, "px";
+    PAIR_REACH = 2.0 * ON_LIMB.value, "px";
 
-    /// Of which others explain all but this part is not divided.
+    /// A candidate is skipped where less than this part of its cells is still unexplained.
     LITTLE_LEFT = 0.2, "";
 
-    /// What others explain more of than all but this part is dropped.
+    /// A candidate is dropped, unless it can be divided, where less than this part of its cells is still unexplained.
     ENOUGH_LEFT = 0.6, "";
 }
 

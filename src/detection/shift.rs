@@ -42,7 +42,7 @@ constants! {
     LEAST_RATIO = 1.2, "";
 
     /// Cylinders with less than this score tell nothing of a shift.
-    CERTAIN = 0.2, "";
+    TELLING = 0.2, "";
 }
 
 /// Which parts of a limb edges cover, by their distance from it in steps.
@@ -116,8 +116,8 @@ impl Scene<'_> {
             self.effort.spend(edges.edges.len());
             Coverage::new(edges, &cylinder, self.range(&cylinder, cells), judged.score)
         };
-        let certain = found.iter().filter(|judged| judged.score >= CERTAIN.get());
-        let coverages: Vec<_> = certain.filter_map(|judged| by_depth(judged, marks)).collect();
+        let telling = found.iter().filter(|judged| judged.score >= TELLING.get());
+        let coverages: Vec<_> = telling.filter_map(|judged| by_depth(judged, marks)).collect();
         let weight: f64 = coverages.iter().map(|coverage| coverage.weight).sum();
         let covered = |shift: [i32; 2]| coverages.iter().map(|coverage| coverage.at(shift)).sum::<f64>();
         let pixels = |[x, y]: [i32; 2]| STEP * f64::from(x).hypot(f64::from(y));

@@ -9,7 +9,7 @@ use nalgebra::{SVector, Vector3};
 use pulp::Scalar;
 
 constants! {
-    /// Cells farther from a surface than this many standard deviations do not belong to it.
+    /// Cells farther from a surface than this many standard deviations do not belong to it, be it a plane or round.
     pub(super) REACH = 3.0, "σ";
 
     /// How far a cell may be off across the line of sight, in pixels: matching windows and mixed pixels move outlines.
@@ -25,10 +25,13 @@ constants! {
 
     /// Standard deviation of that, in pixels.
     pub(super) OUTLINE_PIXELS = 1.5, "px";
-
-    /// A step is damped by this part of what the best determined number is.
-    DAMPING = 1e-4, "";
 }
+
+/// A step is damped by this part of what the best determined number is.
+const DAMPING: f64 = 1e-4;
+
+/// A fit has settled where the radius changes by less than this part of it.
+const LEAST_CHANGE: f64 = 1e-4;
 
 /// A surface of revolution about a line, or of a sphere.
 #[derive(Debug, Clone, Copy)]
@@ -246,7 +249,7 @@ pub(super) fn fit(
         let moved = surface.step(&delta)?;
         let change = (moved.radius() - surface.radius()).abs() / surface.radius();
         surface = moved;
-        let settled = reach <= REACH.get() && change < 1e-4;
+        let settled = reach <= REACH.get() && change < LEAST_CHANGE;
         reach = (0.5 * reach).max(REACH.get());
         if settled {
             break;
@@ -356,7 +359,7 @@ impl NormalEquations {
         let scale = match surface {
             Surface::Sphere(..) => matrix[(0, 0)],
             _ => matrix[(4, 4)].max(matrix[(0, 0)]),
-        } * DAMPING.get();
+        } * DAMPING;
         let radius = surface.radius();
         for i in 0..parameters {
             let lever = match (surface, i) {

@@ -19,7 +19,7 @@ constants! {
     ODDS = 3.0, "odds";
 
     /// What is less likely a cylinder claims nothing.
-    LEAST_SCORE = 0.5, "";
+    CLAIMING = 0.5, "";
 }
 
 /// A piece of a line in the image, from end to end in ideal pixels.
@@ -77,7 +77,7 @@ fn by_cylinder(count: usize, pairs: impl Iterator<Item = (usize, Piece)>) -> Vec
 
 /// All contests between cylinders of a scene.
 fn contests(outcomes: &[Outcome]) -> Vec<Contest> {
-    let claiming = |outcome| fitted(outcome).filter(|found| found.score >= LEAST_SCORE.get());
+    let claiming = |outcome| fitted(outcome).filter(|found| found.score >= CLAIMING.get());
     let limbs: Vec<Vec<Limb>> =
         outcomes.iter().map(|outcome| claiming(outcome).map_or_else(Vec::new, Limb::both)).collect();
     let mut contests = Vec::new();

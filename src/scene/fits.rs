@@ -4,7 +4,7 @@ use super::contests::Piece;
 use super::labels::mask_of;
 use super::work::WorkBudget;
 use super::{DetectorOptions, Found};
-use crate::detection::{Detection, DetectionOptions, Detections, Evidence, with_odds_divided};
+use crate::detection::{Detection, DetectionOptions, Detections, Evidence, ONE_LIMB, with_odds_divided};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Options, StartKind, Uncertainty};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -125,7 +125,7 @@ impl<'a> Fits<'a> {
         let found = pose.cylinder(seen);
         let covered = |cylinder: &Cylinder| self.seen.covered(detection, cylinder).iter().sum::<f64>();
         let before = covered(seen);
-        let held = before >= COVERED.get();
+        let held = before >= ONE_LIMB.get();
         let radii = match (fitter.image(), fitter.depth()) {
             // Depth images are drawn out next to limbs, and clouds may be anything: a fit tells.
             (None, Some(_)) => &[],
@@ -163,7 +163,7 @@ impl<'a> Fits<'a> {
             }
             let quality = after + LOCATED.get() * result.limbs_located as f64;
             if quality > best.as_ref().map_or(0.0, |(most, ..)| *most) {
-                if held || quality >= COVERED.get() + ENOUGH.get() {
+                if held || quality >= GOOD.get() {
                     return Ok(result);
                 }
                 best = Some((quality, copied(fitter, result)));
@@ -249,9 +249,6 @@ const RADII: [f64; 3] = [1.0, 0.9, 1.1];
 const MOST_FITS: usize = 40;
 
 constants! {
-    /// The parts of both limbs together that edges of the image cover where they hold the radius.
-    COVERED = 1.0, "limb";
-
     /// How far the radius of a fit may be from that which was found: a part of it, or pixels of the image, whichever is more.
     /// What is farther off is another pair of edges.
     RADIUS_CHANGE = 0.15, "radius";
@@ -260,15 +257,15 @@ constants! {
     /// Radii that differ by less than this many standard deviations agree.
     AGREEMENT = 2.0, "σ";
 
-    /// How far its direction may be, and its axis.
+    /// How far the fit may turn from the cylinder that was found, and move off its axis.
     DIRECTION_CHANGE = 0.3, "rad";
     AXIS_CHANGE = 1.0, "radius";
 
     /// What a located limb counts, where edges that cover one whole count 1.
     LOCATED = 0.5, "limb";
 
-    /// A fit is good where limbs count more than [`COVERED`] by this.
-    ENOUGH = 1.0, "limb";
+    /// A fit is good where limbs count as much.
+    GOOD = 2.0, "limb";
 }
 
 /// A fitter as it is and its result. They are on the stack here alone, not while the next fit runs.

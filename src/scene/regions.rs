@@ -4,7 +4,7 @@ use super::fits::{Fits, Task, found, radius_deviation};
 use super::labels::indices_of;
 use super::results::Found;
 use super::work::WorkBudget;
-use crate::detection::{Band, Detection, Looks, grown, is_round, reach_of, with_odds_divided};
+use crate::detection::{Band, Detection, Looks, SETTLED, grown, is_round, reach_of, with_odds_divided};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Flags, contradict, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -26,9 +26,6 @@ constants! {
 
     /// What is nearer to the surface of a body than this part of its radius may belong to it: it may taper, bend or have bark.
     UNEVEN = 0.15, "radius";
-
-    /// A region has settled where its points change by this part.
-    SETTLED = 0.02, "";
 }
 
 /// Fits to the middle of a region, at most: the radius settles in three or four.

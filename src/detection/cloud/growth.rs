@@ -27,8 +27,8 @@ constants! {
     /// Slices at either end of a region that tell how many points the next one has.
     OUTER = 5.0, "slices";
 
-    /// A part of the points of a region that may lie beyond its ends, to each side.
-    STRAY = 50.0, "";
+    /// The part of the points of a region that may lie beyond its ends, to each side.
+    STRAY = 0.02, "";
 
     /// Sectors about the axis, for what of the residuals is not noise.
     SECTORS = 24.0, "";
@@ -89,7 +89,7 @@ pub(crate) fn grown(
 ) -> Vec<u32> {
     let mut of_region: Vec<i64> = region.map(|point| slice_of(cylinder, &point)).collect();
     of_region.sort_unstable();
-    let stray = of_region.len() / STRAY.count();
+    let stray = (STRAY.get() * of_region.len() as f64) as usize;
     let [first, last] = [of_region[stray], of_region[of_region.len() - 1 - stray]];
     drop(of_region);
     let mut slices: BTreeMap<i64, Slice> = BTreeMap::new();

@@ -27,6 +27,8 @@ constants! {
     /// of the wide one. In variances.
     FLAT = 0.15, "";
     BROAD = 0.1, "";
+
+    /// Fewest pieces that tell a position.
     FEWEST_PIECES = 100.0, "";
 
     /// How far from the middle positions are sought first, in sizes of the cloud.
@@ -34,23 +36,26 @@ constants! {
 
     /// Pieces count less from so many standard deviations on.
     DEVIATIONS = 2.0, "σ";
+
+    /// Positions that are nearer to each other than this part of their distance from the middle are the same.
     APART = 0.1, "";
 
     /// Directions are about the same within this angle, in radians: a search from a position that is off by 8 degrees finds as much as one from
     /// that of the sensor.
     ALIKE = 0.15, "rad";
 }
+
 /// The area of a piece by the product of its standard deviations along and across: of a rectangle. Of other convex shapes it differs by
 /// up to 15 %, of which k takes what they share.
 const AREA: f64 = 12.0;
 
-/// Pieces that are enough for a first look, and the fewest of all.
+/// Pieces that are enough for a first look.
 const FEW_PIECES: usize = 400;
 
 /// Steps of the first look, and of all pieces.
 const STEPS: [usize; 2] = [10, 20];
 
-/// Positions that are returned, and how far apart, as a part of the distance.
+/// Most positions that are returned.
 const MOST_POSITIONS: usize = 6;
 
 /// A flat piece of the surface.

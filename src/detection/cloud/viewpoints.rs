@@ -11,11 +11,11 @@ const WIDEST: f64 = 3.0;
 /// What a position sees all around it is cut into the faces of a cube, five degrees wider to each side.
 const WIDEST_OF_FACE: f64 = 1.19;
 
-constants! {
-    /// Clouds that look smaller than this from their origin, by the tangent of half the angle, were not seen from there. Single precision
-    /// tells 10⁻⁷ of a distance, less than the noise of what was.
-    NARROWEST = 1e-3, "";
+/// Clouds that look smaller than this from their origin, by the tangent of half the angle, were not seen from there. Single precision
+/// tells 10⁻⁷ of a distance, less than the noise of what was.
+const NARROWEST: f64 = 1e-3;
 
+constants! {
     /// Nearly all points.
     NEARLY_ALL = 0.98, "";
 }
@@ -130,7 +130,7 @@ pub(super) fn middle_of_some(points: &Points) -> (Vec<Vector3<f64>>, Vector3<f64
 pub(super) fn are_far(points: &Points) -> bool {
     let sample = points.sample();
     let (_, middle, size) = middle_of_some(sample.as_ref().unwrap_or(points));
-    size < NARROWEST.get() * (points.origin + middle).norm()
+    size < NARROWEST * (points.origin + middle).norm()
 }
 
 /// From far away along the principal directions of the spread of points, some of which are given, that of the least first, from both
