@@ -46,7 +46,7 @@ const (
 	// StartLast is the cylinder of the last successful fit of the fitter, for frames of a sequence, also after Clear. Where
 	// its limbs are about where it or the points have them, and look in the image as they did, they are not searched, and
 	// the result depends on the fits before. Where not, and before the first fit, as StartAuto, with that cylinder or the
-	// start model one of the candidates.
+	// start model one of the candidates. Of points alone that hold several bodies the one near that cylinder is fitted.
 	StartLast Start = C.CYLFUSE_START_LAST
 )
 

@@ -73,7 +73,7 @@ impl Fitter {
         };
         let known_is_there = self
             .known_in(view)
-            .is_some_and(|known| near_known(&known) * view.cloud.len() as f64 >= FEWEST as f64);
+            .is_some_and(|known| near_known(&known) * chosen.len() as f64 >= FEWEST as f64);
         loop {
             let asked = RefCell::new(&mut *run);
             let stopped = || asked.borrow_mut().report_again().is_break();
@@ -109,14 +109,22 @@ impl Fitter {
         self.known_cylinder().map(|known| view.pose().inverse().cylinder(known))
     }
 
-    /// The weight of the points of a view that are near a cylinder and near the one that is known, and of all that are near it; `None`
-    /// where none is known.
+    /// The weight of the points of a view that are near a cylinder and near the one that is known, and of all that are near it, as parts
+    /// of that of all points, some of very many; `None` where none is known.
     fn near_known(&self, view: &View, cylinder: &Cylinder) -> Option<[f64; 2]> {
         let known = self.known_in(view)?;
         let is_near =
             |of: &Cylinder, k: usize| of.distance(&view.cloud.point(k)).abs() <= NEAR_BODY.get() * of.radius;
-        let near = || (0..view.cloud.len()).filter(|&k| is_near(cylinder, k));
-        Some([weight(view, near().filter(|&k| is_near(&known, k))), weight(view, near())])
+        let [mut both, mut near, mut all] = [0.0; 3];
+        for &k in &spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT) {
+            let weight = view.cloud.weight(k);
+            all += weight;
+            if is_near(cylinder, k) {
+                near += weight;
+                both += if is_near(&known, k) { weight } else { 0.0 };
+            }
+        }
+        Some([both / all, near / all])
     }
 
     /// Whether most of the points of a view that are near the cylinder of a fit are near the one that is known.

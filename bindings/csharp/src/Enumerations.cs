@@ -99,7 +99,8 @@ namespace Cylfuse
         /// <summary>The cylinder of the last successful fit of the fitter, for frames of a sequence, also after
         /// <see cref="Fitter.Clear"/>. Where its limbs are about where it or the points have them, and look in the image
         /// as they did, they are not searched, and the result depends on the fits before. Where not, and before the
-        /// first fit, as <see cref="Auto"/>, with that cylinder or the start model one of the candidates.</summary>
+        /// first fit, as <see cref="Auto"/>, with that cylinder or the start model one of the candidates. Of points alone
+        /// that hold several bodies the one near that cylinder is fitted.</summary>
         Last = 5,
     }
 

@@ -27,7 +27,8 @@ export type Method = 'fused' | 'points' | 'ransac' | 'eberly';
  * sample consensus, the model of {@link Fitter.setStartModel}, or the cylinder of the last successful fit of the fitter,
  * for frames of a sequence, also after {@link Fitter.clear}. From that one, where its limbs are about where it or the points
  * have them, and look in the image as they did, they are not searched, and the result depends on the fits before; where not,
- * and before the first fit, it is as 'auto', with that cylinder or the start model one of the candidates.
+ * and before the first fit, it is as 'auto', with that cylinder or the start model one of the candidates. Of
+ * points alone that hold several bodies the one near that cylinder is fitted.
  */
 export type Start = 'auto' | 'limbs' | 'moments' | 'ransac' | 'model' | 'last';
 

@@ -16,7 +16,8 @@ public enum StartKind implements NativeNumber {
      * The cylinder of the last successful fit of the fitter, for frames of a sequence, also after {@link Fitter#clear}.
      * Where its limbs are about where it or the points have them, and look in the image as they did, they are not
      * searched, and the result depends on the fits before. Where not, and before the first fit, as {@link #AUTO}, with
-     * that cylinder or the start model one of the candidates.
+     * that cylinder or the start model one of the candidates. Of points alone that hold several bodies the one near
+     * that cylinder is fitted.
      */
     LAST(5);
 
