@@ -11,6 +11,7 @@ mod twin_frames;
 use cylfuse::fitter::{FitResult, Fitter, Flags};
 use cylfuse::observations::{ImageView, PointsView};
 use cylfuse::twin::{Capture, Kind, random_scene};
+use nalgebra::Vector3;
 use twin_frames::{SIZE, captured, depth_of, intrinsics};
 
 const FOCAL: f64 = 569.6;
@@ -51,6 +52,35 @@ fn the_edge_of_a_shadow_is_no_limb_where_points_end_before_it() {
         // Nobody gave a mask that warnings could be about.
         let of_masks = Flags::MASK_ENDS_WITH_DEPTH | Flags::MASK_DISAGREES;
         assert!(!result.flags.intersects(of_masks), "seed {seed}: {:?}", result.flags);
+    }
+}
+
+/// What a caller has after a region of interest in space: parts of the pipes and the wall beside the body, here within 2.2 radii of its
+/// axis. The fit was to all of that, up to four times as wide, with deviations of a tenth of it and no warning.
+#[test]
+fn of_what_lies_about_a_body_the_body_is_fitted() {
+    for (seed, object) in [(96_400, 2), (96_401, 1), (96_403, 2), (96_411, 3)] {
+        let frame = captured(&random_scene(Kind::Pipes, seed).unwrap(), FOCAL, seed);
+        let truth = frame.cylinders.iter().find(|seen| seen.truth.object == object).unwrap().truth.cylinder;
+        let measured = depth_of(&frame, FOCAL, vec![1; frame.depth.len()]);
+        let is_near = |point: &Vector3<f64>| truth.axis.distance(point) < 2.2 * truth.radius;
+        let points: Vec<[f64; 3]> = measured.cloud().points().filter(is_near).map(Into::into).collect();
+        let mut fitter = Fitter::new();
+        fitter.set_intrinsics(intrinsics(FOCAL)).unwrap();
+        fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+        let alone = fitter.fit().unwrap();
+        // What is asked afterwards is asked of the points that were fitted.
+        let again = fitter.evaluate(&alone.cylinder).unwrap();
+        assert_eq!(again.points_used, alone.points_used, "{seed} {object}");
+        assert!((again.point_scale / alone.point_scale - 1.0).abs() < 1e-9, "{seed} {object}: {again:?}");
+        fitter.push_image(&ImageView::from_u8(&frame.image, SIZE).unwrap()).unwrap();
+        let with_image = fitter.fit().unwrap();
+        for (result, largest) in [(alone, 0.3), (with_image, 0.02)] {
+            let off = (result.cylinder.radius - truth.radius).abs();
+            assert!(off < largest * truth.radius, "{seed} {object}: {off} of {}", truth.radius);
+            assert!(off < 3.0 * result.uncertainty.unwrap().radius(), "{seed} {object}: {off}");
+            assert_eq!(result.flags, Flags::empty(), "{seed} {object}");
+        }
     }
 }
 

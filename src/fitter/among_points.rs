@@ -111,7 +111,7 @@ impl Fitter {
 
     /// The weight of the points of a view that are near a cylinder and near the one that is known, and of all that are near it, as parts
     /// of that of all points, some of very many; `None` where none is known.
-    fn near_known(&self, view: &View, cylinder: &Cylinder) -> Option<[f64; 2]> {
+    pub(super) fn near_known(&self, view: &View, cylinder: &Cylinder) -> Option<[f64; 2]> {
         let known = self.known_in(view)?;
         let is_near =
             |of: &Cylinder, k: usize| of.distance(&view.cloud.point(k)).abs() <= NEAR_BODY.get() * of.radius;

@@ -12,16 +12,9 @@ impl Fitter {
     pub(super) fn fit_in_memory(&mut self, run: &mut Run<'_>) -> Result<FitResult> {
         self.check_memory(BYTES_OF_FIT)?;
         let ends_with_depth = self.options.is_robust() && self.views.iter().any(View::mask_ends_with_depth);
-        let fit = match self.fit_by_outline(run)? {
-            None if ends_with_depth => {
-                let first = self.fit_views(List::new(), run)?;
-                self.fit_to_drawn(first, &[], run)?
-            }
-            None => {
-                let first = unless_cancelled(self.fit_views(List::new(), run))?;
-                self.fit_to_body(first, run)?
-            }
+        let fit = match self.fit_among_pixels(run)? {
             Some(fit) => fit,
+            None => self.fit_as_pushed(ends_with_depth, run)?,
         };
         let Fitted { made_with, mut result, last } = fit;
         result.flags.set(Flags::MASK_ENDS_WITH_DEPTH, ends_with_depth);
@@ -30,6 +23,21 @@ impl Fitter {
         self.result = Some(result);
         self.last = Some(last);
         Ok(result)
+    }
+
+    /// The fit to all points of the views, or to those of their masks.
+    pub(super) fn fit_as_pushed(&self, ends_with_depth: bool, run: &mut Run<'_>) -> Result<Fitted> {
+        match self.fit_by_outline(run)? {
+            Some(fit) => Ok(fit),
+            None if ends_with_depth => {
+                let first = self.fit_views(List::new(), run)?;
+                self.fit_to_drawn(first, &[], run)
+            }
+            None => {
+                let first = unless_cancelled(self.fit_views(List::new(), run))?;
+                self.fit_to_body(first, run)
+            }
+        }
     }
 
     /// The fit of the views, of which those without a mask have that of their points. `None` where there are none, and where the fit is poor,

@@ -1,6 +1,7 @@
 //! The fits to points alone, without mask, edges and limbs, after a first one: the points may lie on several surfaces, and on the
 //! cylinder by chance.
 
+use super::among_pixels::LEAST_ON;
 use super::among_points::{Body, FEWEST, On, weight};
 use super::background::Surface;
 use super::fit::AS_WELL;
@@ -26,9 +27,6 @@ constants! {
     /// Points that a plane holds a quarter of, which scatter about it by this part of their scatter about a cylinder, have flat sides.
     FLATTER = 0.5, "";
 }
-
-/// A body beside planes has this part of the points at least: in a whole scene it may be any of what is there.
-const LEAST_ON: f64 = 0.25;
 
 impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them, or where that failed.

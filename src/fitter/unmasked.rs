@@ -17,7 +17,12 @@ impl View {
     /// The view with the pixels of its points as its mask, and with their depth where no depth image was pushed. `None` where there is a
     /// mask, edges, which say where the limbs are, or no image, and where the points are not dense.
     pub fn with_mask_of_points(&self) -> Option<Self> {
-        if self.mask.is_some() || !self.segments.is_empty() || self.image().is_none() {
+        self.image().and_then(|_| self.with_pixels_of_points())
+    }
+
+    /// The same with an image or without.
+    pub fn with_pixels_of_points(&self) -> Option<Self> {
+        if self.mask.is_some() || !self.segments.is_empty() {
             return None;
         }
         let camera = self.camera()?;

@@ -1,0 +1,100 @@
+//! The body among the pixels of a view without a mask, where the points are dense in the image: what a search finds there.
+
+use super::among_points::weight;
+use super::body::limits_in;
+use super::run::Run;
+use super::view::View;
+use super::{Fitted, Fitter, Flags, MadeWith, Options, StartKind};
+use crate::detection::{DetectionOptions, detect_until, widened};
+use crate::error::{Result, unless_cancelled};
+use crate::geometry::Cylinder;
+use crate::memory::List;
+use crate::observations::pixel_at;
+use std::cell::RefCell;
+
+/// A body has this part of the points at least: in a whole scene it may be any of what is there.
+pub(super) const LEAST_ON: f64 = 0.25;
+
+/// All points are of the body where the search finds this part of them, which leaves out some beside the limbs: docs/measurements-masks.md,
+/// "What lies about a body".
+const ALL: f64 = 0.9;
+
+/// A region of pixels that a search found.
+struct Region {
+    cylinder: Cylinder,
+    /// Its points, by their numbers.
+    points: List<usize>,
+}
+
+impl Fitter {
+    /// The fit to the body that a search finds in the image grid of a view without mask and edges; `None` where it finds none.
+    #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
+    pub(super) fn fit_among_pixels(&self, run: &mut Run<'_>) -> Result<Option<Fitted>> {
+        let is_chosen = !matches!(self.options.start, StartKind::Auto | StartKind::Last);
+        let [view] = &self.views[..] else { return Ok(None) };
+        if is_chosen || view.is_body || !self.options.is_robust() {
+            return Ok(None);
+        }
+        let Some(masked) = view.with_pixels_of_points() else { return Ok(None) };
+        let Some(region) = self.likely_region(&masked, run)? else { return Ok(None) };
+        let part = weight(&masked, region.points.iter().copied());
+        if part >= ALL {
+            return Ok(None);
+        }
+        let body = view.with_points(view.cloud.listed(&region.points), None);
+        let fitter = Self {
+            options: Options { start: StartKind::Model, ..self.options },
+            start: Some(view.pose().cylinder(&region.cylinder)),
+            views: vec![body.clone()],
+            ..Self::default()
+        };
+        let Ok(mut fit) = unless_cancelled(fitter.fit_as_pushed(false, run))? else { return Ok(None) };
+        if part < LEAST_ON {
+            fit.result.flags |= Flags::POOR_FIT;
+        }
+        let fitted = fit.made_with.bodies.first_mut().and_then(Option::take).unwrap_or(body);
+        let made_with = MadeWith { bodies: std::iter::once(Some(fitted)).collect(), ..fit.made_with };
+        Ok(Some(Fitted { made_with, ..fit }))
+    }
+
+    /// The region of the likely cylinder with most of the points, or with most of those near the one that is known.
+    fn likely_region(&self, view: &View, run: &mut Run<'_>) -> Result<Option<Region>> {
+        let (Some(camera), Some(depth)) = (view.camera(), view.depth()) else { return Ok(None) };
+        let limits = widened(&limits_in(view, &self.options));
+        let search = DetectionOptions { limits, ..DetectionOptions::default() };
+        let run = RefCell::new(run);
+        let stopped = || run.borrow_mut().report_again().is_break();
+        let found_by = |image| {
+            let depth = depth.within(view.frame.depth_range())?;
+            let filled = depth.without_gaps()?;
+            detect_until(camera, filled.as_ref().unwrap_or(&depth), image, &search, &stopped)
+        };
+        // Edges of textures draw the search by the image; it finds what the depth alone does not tell.
+        let mut found = unless_cancelled(found_by(None))?.unwrap_or_default();
+        if found.cylinders.is_empty() && view.image().is_some() {
+            found = unless_cancelled(found_by(view.image()))?.unwrap_or_default();
+        }
+        let width = camera.size().0;
+        let label_of = |k: usize| {
+            let (x, y) = pixel_at(&camera.project(&view.cloud.point(k))?)?;
+            found.labels.get(y * width + x).copied().filter(|_| x < width)
+        };
+        let labels: List<u16> = (0..view.cloud.len()).map(|k| label_of(k).unwrap_or(0)).collect();
+        let labels = &labels;
+        let points_of = |label: u16| (0..labels.len()).filter(move |&k| labels[k] == label);
+        let worth = |index: usize| {
+            let detection = &found.cylinders[index];
+            let near_known = self.near_known(view, &detection.cylinder).map_or(0.0, |[both, _]| both);
+            let weight = weight(view, points_of(index as u16 + 1));
+            [near_known, weight].map(|of| detection.score * of)
+        };
+        let worths: List<[f64; 2]> = (0..found.cylinders.len()).map(worth).collect();
+        let Some(best) = (0..worths.len())
+            .max_by(|&a, &b| worths[a].partial_cmp(&worths[b]).unwrap_or(std::cmp::Ordering::Equal))
+        else {
+            return Ok(None);
+        };
+        let label = best as u16 + 1;
+        Ok(Some(Region { cylinder: found.cylinders[best].cylinder, points: points_of(label).collect() }))
+    }
+}
