@@ -4,7 +4,7 @@ use super::fits::{Fits, Task, found, radius_deviation};
 use super::labels::indices_of;
 use super::results::Found;
 use super::work::WorkBudget;
-use crate::detection::{Band, Detection, Looks, SETTLED, grown, is_round, reach_of, with_odds_divided};
+use crate::detection::{Band, Detection, Looks, SETTLED, grown, is_round, with_odds_divided};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Flags, contradict, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -64,10 +64,8 @@ impl Fits<'_> {
             let cylinder = fit.1.cylinder;
             last = Some(fit);
             // A body may have many points, for which no memory is kept.
-            let next = apart(|| {
-                let reach = reach_of(&cylinder, points_of(looks, &region));
-                grown(&cylinder, reach, points_of(looks, &region), looks.near(&cylinder, reach))
-            });
+            let next =
+                apart(|| grown(&cylinder, points_of(looks, &region), |reach| looks.near(&cylinder, reach)));
             check(0)?;
             detection.cylinder = cylinder;
             if next.len() < FEWEST.count() {
