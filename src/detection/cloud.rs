@@ -35,7 +35,7 @@ use crate::error::{Result, cancelled_if};
 use crate::geometry::{AxisCone, Cylinder, Line};
 use crate::memory::{List, apart};
 use crate::observations::PointsView;
-pub(crate) use growth::{grown, is_round, reach_of};
+pub(crate) use growth::{grown, is_round};
 use image::Image;
 pub(crate) use looks::Looks;
 use std::ops::Range;

@@ -28,7 +28,7 @@ mod shift;
 mod surface;
 
 pub(crate) use candidate::SETTLED;
-pub(crate) use cloud::{Looks, detect_points_until, grown, is_round, reach_of};
+pub(crate) use cloud::{Looks, detect_points_until, grown, is_round};
 pub(crate) use cone::slope_by_points;
 pub use evidence::Evidence;
 

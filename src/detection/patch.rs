@@ -7,7 +7,7 @@ use super::candidate::Marks;
 use super::grid::Grid;
 use super::moments::Moments;
 use crate::geometry::{Cylinder, Line};
-use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix2, Matrix3, Matrix4, Vector2, Vector3, Vector4, Vector6};
 use std::f64::consts::FRAC_PI_4;
 
 constants! {
@@ -59,35 +59,72 @@ pub(super) fn hypothesis(
 ) -> Option<Cylinder> {
     let (matrix, vector) = moments.equations();
     let decomposition = matrix.cholesky()?;
-    let mut a = decomposition.solve(&vector);
     // About the mean, and in units of how far the cells lie from it.
-    let mean = moments.mean();
-    let middle = moments.on_plane(&mean);
     let size = moments.covariance().trace().sqrt();
-    a[0] += a[1] * mean.x
-        + a[2] * mean.y
-        + 0.5 * a[3] * mean.x * mean.x
-        + a[4] * mean.x * mean.y
-        + 0.5 * a[5] * mean.y * mean.y;
-    a[1] = (a[1] + a[3] * mean.x + a[4] * mean.y) * size;
-    a[2] = (a[2] + a[4] * mean.x + a[5] * mean.y) * size;
-    let squared_size = size * size;
-    a.fixed_rows_mut::<3>(3).scale_mut(squared_size);
-    let size = size * grid.spacing;
-    let eigen = Matrix2::new(a[3], a[4], a[4], a[5]).symmetric_eigen();
-    let strong = if eigen.eigenvalues[0].abs() > eigen.eigenvalues[1].abs() { 0 } else { 1 };
-    let bend = eigen.eigenvalues[strong];
-    let across: Vector2<f64> = eigen.eigenvectors.column(strong).into();
-    let along = Vector2::new(-across.y, across.x);
+    let numbers = about(&moments.mean(), size, decomposition.solve(&vector));
+    let bend = Bend::of(&numbers);
+    let across = bend.across;
     let row = Vector3::new(across.x * across.x, 2.0 * across.x * across.y, across.y * across.y);
     // The covariance of the last numbers is the inverse of the last block of the factor times its transpose.
     let of_bend = decomposition.l_dirty().fixed_view::<3, 3>(3, 3).solve_lower_triangular(&row)?;
-    let uncertainty = deviation * squared_size * (cells_per_sample * of_bend.norm_squared()).sqrt();
-    if bend.abs() < SIGNIFICANT.get() * uncertainty {
+    let uncertainty = deviation * (size * size) * (cells_per_sample * of_bend.norm_squared()).sqrt();
+    if bend.size.abs() < SIGNIFICANT.get() * uncertainty {
         return None;
     }
-    // Value, position and normal of the quadratic surface at a position.
-    let surface = |position: Vector2<f64>| {
+    let middle = moments.on_plane(&moments.mean());
+    Quadratic { numbers, middle, size: size * grid.spacing }.cylinder(&across)
+}
+
+/// The numbers of a quadratic w = a0 + a1 s + a2 t + a3 s²/2 + a4 s t + a5 t²/2 about another position, and in another unit of length.
+fn about(origin: &Vector2<f64>, unit: f64, mut a: Vector6<f64>) -> Vector6<f64> {
+    a[0] += a[1] * origin.x
+        + a[2] * origin.y
+        + 0.5 * a[3] * origin.x * origin.x
+        + a[4] * origin.x * origin.y
+        + 0.5 * a[5] * origin.y * origin.y;
+    a[1] = (a[1] + a[3] * origin.x + a[4] * origin.y) * unit;
+    a[2] = (a[2] + a[4] * origin.x + a[5] * origin.y) * unit;
+    a.fixed_rows_mut::<3>(3).scale_mut(unit * unit);
+    a
+}
+
+/// The greatest second derivative of a quadratic.
+struct Bend {
+    size: f64,
+    /// Its direction: across the image of the axis.
+    across: Vector2<f64>,
+}
+
+impl Bend {
+    fn of(numbers: &Vector6<f64>) -> Self {
+        let eigen = Matrix2::new(numbers[3], numbers[4], numbers[4], numbers[5]).symmetric_eigen();
+        let strong = if eigen.eigenvalues[0].abs() > eigen.eigenvalues[1].abs() { 0 } else { 1 };
+        Self { size: eigen.eigenvalues[strong], across: eigen.eigenvectors.column(strong).into() }
+    }
+}
+
+/// A surface whose w = 1/z is a quadratic of the position in the image.
+struct Quadratic {
+    numbers: Vector6<f64>,
+    /// Where in the image it is about, and the unit of its positions there.
+    middle: Vector2<f64>,
+    size: f64,
+}
+
+/// What a quadratic surface is at a position.
+struct OnSurface {
+    w: f64,
+    point: Vector3<f64>,
+    /// The normal, away from the observer.
+    away: Vector3<f64>,
+    /// The change of the point along the image of the generator.
+    generator: Vector3<f64>,
+}
+
+impl Quadratic {
+    /// At a position, with generators whose image is along a direction.
+    fn at(&self, position: Vector2<f64>, along: &Vector2<f64>) -> OnSurface {
+        let Self { numbers: a, middle, size } = self;
         let (s, t) = (position.x, position.y);
         let w = a[0] + a[1] * s + a[2] * t + 0.5 * a[3] * s * s + a[4] * s * t + 0.5 * a[5] * t * t;
         let wx = (a[1] + a[3] * s + a[4] * t) / size;
@@ -95,44 +132,48 @@ pub(super) fn hypothesis(
         let (x, y) = (middle.x + size * s, middle.y + size * t);
         let away = Vector3::new(wx, wy, w - x * wx - y * wy).normalize();
         let point = Vector3::new(x, y, 1.0) / w;
-        // The change of the point along the image of the generator.
         let slope = along.x * wx + along.y * wy;
         let generator = Vector3::new(along.x, along.y, 0.0) / w - Vector3::new(x, y, 1.0) * (slope / (w * w));
-        (w, point, away, generator)
-    };
-    let (w, point, _, generator) = surface(Vector2::zeros());
-    if w <= 0.0 {
-        return None;
+        OnSurface { w, point, away, generator }
     }
-    let direction = generator.normalize();
-    // p + r n = c in the plane across the axis, for normals n that point away from the observer.
-    let mut matrix = nalgebra::Matrix4::zeros();
-    let mut vector = Vector4::zeros();
-    let flat = Matrix3::identity() - direction * direction.transpose();
-    for step in [-1.0, -0.5, 0.0, 0.5, 1.0] {
-        let (w, position, away, _) = surface(across * step);
+
+    /// The cylinder along the generator in the middle, by the normals across it.
+    fn cylinder(&self, across: &Vector2<f64>) -> Option<Cylinder> {
+        let along = Vector2::new(-across.y, across.x);
+        let OnSurface { w, point, generator, .. } = self.at(Vector2::zeros(), &along);
         if w <= 0.0 {
-            continue;
+            return None;
         }
-        let normal = (flat * away).normalize();
-        let offset = flat * (position - point);
-        // Unknowns (c, r): c − r n = p; the part of c along the axis is held at 0.
-        for k in 0..3 {
-            let mut row = Vector4::zeros();
-            row[k] = 1.0;
-            row[3] = -normal[k];
-            matrix += row * row.transpose();
-            vector += row * offset[k];
+        let direction = generator.normalize();
+        // p + r n = c in the plane across the axis, for normals n that point away from the observer.
+        let mut matrix = Matrix4::zeros();
+        let mut vector = Vector4::zeros();
+        let flat = Matrix3::identity() - direction * direction.transpose();
+        for step in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+            let OnSurface { w, point: position, away, .. } = self.at(across * step, &along);
+            if w <= 0.0 {
+                continue;
+            }
+            let normal = (flat * away).normalize();
+            let offset = flat * (position - point);
+            // Unknowns (c, r): c − r n = p; the part of c along the axis is held at 0.
+            for k in 0..3 {
+                let mut row = Vector4::zeros();
+                row[k] = 1.0;
+                row[3] = -normal[k];
+                matrix += row * row.transpose();
+                vector += row * offset[k];
+            }
         }
+        for i in 0..3 {
+            for j in 0..3 {
+                matrix[(i, j)] += direction[i] * direction[j];
+            }
+        }
+        let solution = matrix.cholesky()?.solve(&vector);
+        let center = point + Vector3::new(solution[0], solution[1], solution[2]);
+        finite(center, direction, solution[3].abs())
     }
-    for i in 0..3 {
-        for j in 0..3 {
-            matrix[(i, j)] += direction[i] * direction[j];
-        }
-    }
-    let solution = matrix.cholesky()?.solve(&vector);
-    let center = point + Vector3::new(solution[0], solution[1], solution[2]);
-    finite(center, direction, solution[3].abs())
 }
 
 /// A cylinder, if its numbers make one.

@@ -37,17 +37,18 @@ pub unsafe extern "C" fn cylfuse_fitter_complete_bound(
     layout: cylfuse_layout,
     out_capacity: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `mask` NULL or a mask that can be read, and `out_capacity`
-    // NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Slot::new(out_capacity, "out_capacity")?;
-            let organised = layout.read("layout")?;
-            let region = Region::new(CALL, &content.fitter, optional_mask(mask)?.as_ref())?;
-            out.write(bound(&region, organised));
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_capacity` is NULL or writable.
+        let out = unsafe { Slot::new(out_capacity, "out_capacity") }?;
+        let organised = layout.read("layout")?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        let region = Region::new(CALL, &content.fitter, mask.as_ref())?;
+        out.write(bound(&region, organised));
+        Ok(())
+    })
 }
 
 fn bound(region: &Region<'_>, organised: bool) -> usize {
@@ -78,28 +79,33 @@ pub unsafe extern "C" fn cylfuse_fitter_complete(
     out: *const cylfuse_points_out,
     out_completion: *mut cylfuse_completion,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
-    // be read, `out` NULL or a buffer that can be written, and `out_completion` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out_completion = Output::new(out_completion, "out_completion")?;
-            let organised = layout.read("layout")?;
-            let out = read(out, "out")?;
-            let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
-            match complete(&content.fitter, model.as_ref(), mask.as_ref(), organised, &out) {
-                Ok((count, counts, out_of_range)) => {
-                    out_completion.write(&completion(&content.fitter, count, &counts, out_of_range));
-                    Ok(())
-                }
-                Err(Failure::BufferTooSmall { name, capacity, needed }) => {
-                    let view = saturated(content.fitter.selected_view());
-                    out_completion.write(&cylfuse_completion { view, count: needed as u64, ..zeroed() });
-                    Err(Failure::BufferTooSmall { name, capacity, needed })
-                }
-                Err(failure) => Err(failure),
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_completion` is NULL or room for its `struct_size`.
+        let out_completion = unsafe { Output::new(out_completion, "out_completion") }?;
+        let organised = layout.read("layout")?;
+        // SAFETY: as the header asks, `out` is NULL or a buffer that can be written.
+        let out = unsafe { read(out, "out") }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        // SAFETY: as the header asks, the buffer is NULL or can be written as its fields describe.
+        let completed = unsafe { complete(&content.fitter, model.as_ref(), mask.as_ref(), organised, &out) };
+        match completed {
+            Ok((count, counts, out_of_range)) => {
+                out_completion.write(&completion(&content.fitter, count, &counts, out_of_range));
+                Ok(())
             }
-        })
-    }
+            Err(Failure::BufferTooSmall { name, capacity, needed }) => {
+                let view = saturated(content.fitter.selected_view());
+                out_completion.write(&cylfuse_completion { view, count: needed as u64, ..zeroed() });
+                Err(Failure::BufferTooSmall { name, capacity, needed })
+            }
+            Err(failure) => Err(failure),
+        }
+    })
 }
 
 fn completion(
@@ -210,17 +216,22 @@ pub unsafe extern "C" fn cylfuse_fitter_complete_depth(
     out: *const cylfuse_depth_out,
     out_completion: *mut cylfuse_completion,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
-    // be read, `out` NULL or a buffer that can be written, and `out_completion` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out_completion = Output::new(out_completion, "out_completion")?;
-            let out = read(out, "out")?;
-            let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
-            out_completion.write(&complete_depth(&content.fitter, model.as_ref(), mask.as_ref(), &out)?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_completion` is NULL or room for its `struct_size`.
+        let out_completion = unsafe { Output::new(out_completion, "out_completion") }?;
+        // SAFETY: as the header asks, `out` is NULL or a buffer that can be written.
+        let out = unsafe { read(out, "out") }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        // SAFETY: as the header asks, the buffer is NULL or can be written as its fields describe.
+        let completion = unsafe { complete_depth(&content.fitter, model.as_ref(), mask.as_ref(), &out) }?;
+        out_completion.write(&completion);
+        Ok(())
+    })
 }
 
 /// # Safety
@@ -336,17 +347,19 @@ pub unsafe extern "C" fn cylfuse_fitter_extent(
     mask: *const cylfuse_mask_view,
     out_extent: *mut cylfuse_extent,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
-    // be read, and `out_extent` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Output::new(out_extent, "out_extent")?;
-            let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
-            let extent = content.fitter.extent(model.as_ref(), mask.as_ref())?;
-            out.write(&(&extent).into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_extent` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_extent, "out_extent") }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        let extent = content.fitter.extent(model.as_ref(), mask.as_ref())?;
+        out.write(&(&extent).into());
+        Ok(())
+    })
 }
 
 /// Selects, of straight edges that a line detector found in the image, those on the two limbs of a rough cylinder
@@ -372,24 +385,27 @@ pub unsafe extern "C" fn cylfuse_fitter_select_edges(
     out_limbs: *mut u8,
     capacity: usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `segments` NULL or segments
-    // that can be read, and `out_limbs` NULL or room for `capacity` bytes.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let model = optional_cylinder(model)?;
-            let segments = views::segments(&read(segments, "segments")?)?;
-            let needed = segments.len();
-            let out = Room::new(out_limbs, needed, capacity, "out_limbs")?;
-            let found = content.fitter.select_edges(&segments, model.as_ref(), reach)?;
-            out.fill(std::iter::repeat(0));
-            for (number, indices) in (1..).zip(found) {
-                for index in indices {
-                    out.set(index, number);
-                }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        // SAFETY: as the header asks, `segments` is NULL or segments that can be read.
+        let view = unsafe { read(segments, "segments") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let segments = unsafe { views::segments(&view) }?;
+        let needed = segments.len();
+        // SAFETY: as the header asks, `out_limbs` is NULL or room for `capacity` bytes.
+        let out = unsafe { Room::new(out_limbs, needed, capacity, "out_limbs") }?;
+        let found = content.fitter.select_edges(&segments, model.as_ref(), reach)?;
+        out.fill(std::iter::repeat(0));
+        for (number, indices) in (1..).zip(found) {
+            for index in indices {
+                out.set(index, number);
             }
-            Ok(())
-        })
-    }
+        }
+        Ok(())
+    })
 }
 
 #[cfg(test)]

@@ -37,27 +37,29 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `out` NULL or room for
-    // `capacity` doubles, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let count = Slot::new(out_count, "out_count")?;
-            let kind = kind.read("kind")?;
-            let model = optional_cylinder(model)?;
-            if kind == ResidualKind::Edges {
-                let residuals = content.fitter.residuals(model.as_ref(), kind)?;
-                return write_numbers(residuals.into_iter(), out, capacity, &count);
-            }
-            // Without a list in between, for which memory may run out.
-            let cylinder = content.fitter.model_or_result("listing residuals", model.as_ref())?;
-            let seen = content.fitter.pose().inverse().cylinder(&cylinder);
-            let distances = content.fitter.cloud().points().map(|point| seen.distance(&point));
-            if distances.clone().any(|distance| !distance.is_finite()) {
-                return Err(Error::Numerical { what: "the residuals" }.into());
-            }
-            write_numbers(distances, out, capacity, &count)
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_count` is NULL or writable.
+        let count = unsafe { Slot::new(out_count, "out_count") }?;
+        let kind = kind.read("kind")?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        if kind == ResidualKind::Edges {
+            let residuals = content.fitter.residuals(model.as_ref(), kind)?;
+            // SAFETY: as the header asks, `out` is NULL or room for `capacity` doubles.
+            return unsafe { write_numbers(residuals.into_iter(), out, capacity, &count) };
+        }
+        // Without a list in between, for which memory may run out.
+        let cylinder = content.fitter.model_or_result("listing residuals", model.as_ref())?;
+        let seen = content.fitter.pose().inverse().cylinder(&cylinder);
+        let distances = content.fitter.cloud().points().map(|point| seen.distance(&point));
+        if distances.clone().any(|distance| !distance.is_finite()) {
+            return Err(Error::Numerical { what: "the residuals" }.into());
+        }
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` doubles.
+        unsafe { write_numbers(distances, out, capacity, &count) }
+    })
 }
 
 /// Lists how much each point of the selected view counts at the cylinder of the last fit, in the order of the residuals
@@ -78,28 +80,31 @@ pub unsafe extern "C" fn cylfuse_fitter_point_weights(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `out_weights` NULL or room for `capacity` doubles,
-    // `out_inliers` NULL or room for `capacity` bytes, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let count = Slot::new(out_count, "out_count")?;
-            last_result(&content.fitter, "listing weights")?;
-            let weights = content.fitter.point_weights(None)?;
-            let (needed, name) = (weights.len(), "the output");
-            count.write(needed);
-            if needed > capacity {
-                return Err(Failure::BufferTooSmall { name, capacity, needed });
-            }
-            if !out_weights.is_null() {
-                Room::new(out_weights, needed, capacity, name)?.fill(weights.iter().copied());
-            }
-            if !out_inliers.is_null() {
-                let inliers = weights.iter().map(|weight| (*weight > 0.0).into());
-                Room::new(out_inliers, needed, capacity, name)?.fill(inliers);
-            }
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_count` is NULL or writable.
+        let count = unsafe { Slot::new(out_count, "out_count") }?;
+        last_result(&content.fitter, "listing weights")?;
+        let weights = content.fitter.point_weights(None)?;
+        let (needed, name) = (weights.len(), "the output");
+        count.write(needed);
+        if needed > capacity {
+            return Err(Failure::BufferTooSmall { name, capacity, needed });
+        }
+        if !out_weights.is_null() {
+            // SAFETY: as the header asks, `out_weights` is NULL or room for `capacity` doubles.
+            let out = unsafe { Room::new(out_weights, needed, capacity, name) }?;
+            out.fill(weights.iter().copied());
+        }
+        if !out_inliers.is_null() {
+            let inliers = weights.iter().map(|weight| (*weight > 0.0).into());
+            // SAFETY: as the header asks, `out_inliers` is NULL or room for `capacity` bytes.
+            let out = unsafe { Room::new(out_inliers, needed, capacity, name) }?;
+            out.fill(inliers);
+        }
+        Ok(())
+    })
 }
 
 /// Tells what each point of the selected view belongs to, in the order of the residuals POINTS: the lateral surface of the
@@ -120,15 +125,17 @@ pub unsafe extern "C" fn cylfuse_fitter_point_parts(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `out` NULL or room for
-    // `capacity` parts, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let count = Slot::new(out_count, "out_count")?;
-            let parts = content.fitter.point_parts(optional_cylinder(model)?.as_ref())?;
-            write_numbers(parts.into_iter().map(cylfuse_part::from), out, capacity, &count)
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_count` is NULL or writable.
+        let count = unsafe { Slot::new(out_count, "out_count") }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        let parts = content.fitter.point_parts(model.as_ref())?;
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` parts.
+        unsafe { write_numbers(parts.into_iter().map(cylfuse_part::from), out, capacity, &count) }
+    })
 }
 
 /// Lists the two limbs of the last fit in each view, view after view: where they were located in the image, or why
@@ -149,19 +156,19 @@ pub unsafe extern "C" fn cylfuse_fitter_limbs(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `out` NULL or room for `capacity` elements of
-    // `element_size` bytes, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = OutputArray::new(out, element_size, capacity, out_count)?;
-            last_result(&content.fitter, "listing limbs")?;
-            let (fitter, views) = (&content.fitter, content.fitter.view_count());
-            out.write((0..views).flat_map(|view| {
-                let seen = fitter.limbs_of(view);
-                [0, 1].map(|limb| describe(view, limb, seen.map(|limbs| &limbs[limb])))
-            }))
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` elements of `element_size` bytes and
+        // `out_count` NULL or writable.
+        let out = unsafe { OutputArray::new(out, element_size, capacity, out_count) }?;
+        last_result(&content.fitter, "listing limbs")?;
+        let (fitter, views) = (&content.fitter, content.fitter.view_count());
+        out.write((0..views).flat_map(|view| {
+            let seen = fitter.limbs_of(view);
+            [0, 1].map(|limb| describe(view, limb, seen.map(|limbs| &limbs[limb])))
+        }))
+    })
 }
 
 fn describe(view: usize, limb: usize, seen: Option<&LimbObservation>) -> cylfuse_limb {
@@ -201,22 +208,22 @@ pub unsafe extern "C" fn cylfuse_fitter_limb_samples(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `out` NULL or room for `capacity` elements of
-    // `element_size` bytes, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = OutputArray::new(out, element_size, capacity, out_count)?;
-            last_result(&content.fitter, "listing limb samples")?;
-            let Some((limbs, camera)) = content.fitter.limbs().zip(content.fitter.camera()) else {
-                return out.write(std::iter::empty());
-            };
-            let view = saturated(content.fitter.selected_view());
-            out.write((0..).zip(limbs).flat_map(move |(limb, observation)| {
-                let samples = observation.samples.iter();
-                samples.filter_map(move |sample| limb_sample(camera, (view, limb), observation, sample))
-            }))
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` elements of `element_size` bytes and
+        // `out_count` NULL or writable.
+        let out = unsafe { OutputArray::new(out, element_size, capacity, out_count) }?;
+        last_result(&content.fitter, "listing limb samples")?;
+        let Some((limbs, camera)) = content.fitter.limbs().zip(content.fitter.camera()) else {
+            return out.write(std::iter::empty());
+        };
+        let view = saturated(content.fitter.selected_view());
+        out.write((0..).zip(limbs).flat_map(move |(limb, observation)| {
+            let samples = observation.samples.iter();
+            samples.filter_map(move |sample| limb_sample(camera, (view, limb), observation, sample))
+        }))
+    })
 }
 
 /// `None` when a camera that was set after the fit does not see the place.
@@ -253,25 +260,28 @@ pub unsafe extern "C" fn cylfuse_fitter_end_samples(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, `mask` NULL or a mask that can
-    // be read, `out` NULL or room for `capacity` elements of `element_size` bytes, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = OutputArray::new(out, element_size, capacity, out_count)?;
-            let (model, mask) = (optional_cylinder(model)?, optional_mask(mask)?);
-            let (_, arcs) = content.fitter.extent_and_arcs(model.as_ref(), mask.as_ref())?;
-            let ends = (0..)
-                .zip(&arcs)
-                .flat_map(|(view, ends)| (0..).zip(ends).map(move |(end, samples)| (view, end, samples)));
-            out.write(ends.flat_map(|(view, end, samples)| {
-                samples.iter().map(move |sample: &ArcSample| cylfuse_end_sample {
-                    view,
-                    end,
-                    pixel: sample.pixel.into(),
-                    normal: sample.normal.into(),
-                    deviation: sample.deviation,
-                })
-            }))
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` elements of `element_size` bytes and
+        // `out_count` NULL or writable.
+        let out = unsafe { OutputArray::new(out, element_size, capacity, out_count) }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        let (_, arcs) = content.fitter.extent_and_arcs(model.as_ref(), mask.as_ref())?;
+        let ends = (0..)
+            .zip(&arcs)
+            .flat_map(|(view, ends)| (0..).zip(ends).map(move |(end, samples)| (view, end, samples)));
+        out.write(ends.flat_map(|(view, end, samples)| {
+            samples.iter().map(move |sample: &ArcSample| cylfuse_end_sample {
+                view,
+                end,
+                pixel: sample.pixel.into(),
+                normal: sample.normal.into(),
+                deviation: sample.deviation,
+            })
+        }))
+    })
 }

@@ -25,22 +25,24 @@ pub unsafe extern "C" fn cylfuse_intrinsics_project(
     out_pixels: *mut f64,
     capacity: usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `points` NULL or points that
-    // can be read, and `out_pixels` NULL or room for `capacity` pixels.
-    unsafe {
-        stateless(|| {
-            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            let points = views::points_view(&read(points, "points")?)?;
-            let (width, height) = (points.width(), points.height());
-            let needed = width * height;
-            let out = Room::new(out_pixels.cast::<[f64; 2]>(), needed, capacity, "out_pixels")?;
-            out.fill((0..needed).map(|index| {
-                let pixel = camera.project(&points.points.at(index % width, index / width));
-                pixel.map_or([f64::NAN; 2], Into::into)
-            }));
-            Ok(())
-        })
-    }
+    stateless(|| {
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`.
+        let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+        let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
+        // SAFETY: as the header asks, `points` is NULL or points that can be read.
+        let view = unsafe { read(points, "points") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let points = unsafe { views::points_view(&view) }?;
+        let (width, height) = (points.width(), points.height());
+        let needed = width * height;
+        // SAFETY: as the header asks, `out_pixels` is NULL or room for `capacity` pixels.
+        let out = unsafe { Room::new(out_pixels.cast::<[f64; 2]>(), needed, capacity, "out_pixels") }?;
+        out.fill((0..needed).map(|index| {
+            let pixel = camera.project(&points.points.at(index % width, index / width));
+            pixel.map_or([f64::NAN; 2], Into::into)
+        }));
+        Ok(())
+    })
 }
 
 /// The rays along which a camera sees pixels of the (distorted) image: the points at z = 1 of its frame.
@@ -61,18 +63,18 @@ pub unsafe extern "C" fn cylfuse_intrinsics_unproject(
     count: usize,
     out_rays: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `pixels` NULL or 2 doubles for
-    // each of `count` pixels, and `out_rays` NULL or room for `count` rays.
-    unsafe {
-        stateless(|| {
-            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            let pixels = list(pixels.cast::<[f64; 2]>(), count, "pixels")?;
-            let out = Room::new(out_rays.cast::<[f64; 3]>(), count, count, "out_rays")?;
-            out.fill(pixels.map(|pixel| {
-                let ray = camera.unproject(&Vector2::from(pixel));
-                ray.map_or([f64::NAN; 3], Into::into)
-            }));
-            Ok(())
-        })
-    }
+    stateless(|| {
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`.
+        let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+        let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
+        // SAFETY: as the header asks, `pixels` is NULL or 2 doubles for each of `count` pixels.
+        let pixels = unsafe { list(pixels.cast::<[f64; 2]>(), count, "pixels") }?;
+        // SAFETY: as the header asks, `out_rays` is NULL or room for `count` rays.
+        let out = unsafe { Room::new(out_rays.cast::<[f64; 3]>(), count, count, "out_rays") }?;
+        out.fill(pixels.map(|pixel| {
+            let ray = camera.unproject(&Vector2::from(pixel));
+            ray.map_or([f64::NAN; 3], Into::into)
+        }));
+        Ok(())
+    })
 }

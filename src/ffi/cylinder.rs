@@ -26,23 +26,24 @@ pub unsafe extern "C" fn cylfuse_cylinder_distances(
     out: *mut f64,
     capacity: usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `model` is NULL or a cylinder, `points` NULL or points that can be read, and `out`
-    // NULL or room for `capacity` doubles.
-    unsafe {
-        stateless(|| {
-            let cylinder = cylinder(model, "model")?;
-            let points = views::points_view(&read(points, "points")?)?;
-            let (width, height) = (points.width(), points.height());
-            let needed = width * height;
-            let out = Room::new(out, needed, capacity, "out")?;
-            out.fill((0..needed).map(|index| {
-                let point = points.points.at(index % width, index / width);
-                let distance = cylinder.distance(&point);
-                if distance.is_finite() { distance } else { f64::NAN }
-            }));
-            Ok(())
-        })
-    }
+    stateless(|| {
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let cylinder = unsafe { cylinder(model, "model") }?;
+        // SAFETY: as the header asks, `points` is NULL or points that can be read.
+        let view = unsafe { read(points, "points") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let points = unsafe { views::points_view(&view) }?;
+        let (width, height) = (points.width(), points.height());
+        let needed = width * height;
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` doubles.
+        let out = unsafe { Room::new(out, needed, capacity, "out") }?;
+        out.fill((0..needed).map(|index| {
+            let point = points.points.at(index % width, index / width);
+            let distance = cylinder.distance(&point);
+            if distance.is_finite() { distance } else { f64::NAN }
+        }));
+        Ok(())
+    })
 }
 
 /// The two limb lines of a cylinder in the image: a u + b v + c = 0 with a^2 + b^2 = 1, in ideal pixels, which
@@ -60,21 +61,21 @@ pub unsafe extern "C" fn cylfuse_cylinder_project(
     intrinsics: *const cylfuse_intrinsics,
     out_lines: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `model` is NULL or a cylinder, `intrinsics` NULL or a struct of its `struct_size`,
-    // and `out_lines` NULL or room for 6 doubles.
-    unsafe {
-        stateless(|| {
-            let out = Slot::new(out_lines.cast::<[f64; 6]>(), "out_lines")?;
-            let cylinder = cylinder(model, "model")?;
-            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            let mut lines = [0.0; 6];
-            for (line, found) in lines.chunks_exact_mut(3).zip(camera.limb_lines(&cylinder)?) {
-                line.copy_from_slice(found.as_slice());
-            }
-            out.write(lines);
-            Ok(())
-        })
-    }
+    stateless(|| {
+        // SAFETY: as the header asks, `out_lines` is NULL or room for 6 doubles.
+        let out = unsafe { Slot::new(out_lines.cast::<[f64; 6]>(), "out_lines") }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let cylinder = unsafe { cylinder(model, "model") }?;
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`.
+        let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+        let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
+        let mut lines = [0.0; 6];
+        for (line, found) in lines.chunks_exact_mut(3).zip(camera.limb_lines(&cylinder)?) {
+            line.copy_from_slice(found.as_slice());
+        }
+        out.write(lines);
+        Ok(())
+    })
 }
 
 /// How two cylinders differ.
@@ -93,24 +94,27 @@ pub unsafe extern "C" fn cylfuse_cylinder_compare(
     out_axis_distance: *mut f64,
     out_radius_relative: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `a` and `b` are each NULL or a cylinder, and `out_angle`, `out_axis_distance` and
-    // `out_radius_relative` each NULL or writable.
-    unsafe {
-        stateless(|| {
-            let angle = Slot::new(out_angle, "out_angle")?;
-            let axis_distance = Slot::new(out_axis_distance, "out_axis_distance")?;
-            let radius_relative = Slot::new(out_radius_relative, "out_radius_relative")?;
-            let difference = cylinder(a, "a")?.compare(&cylinder(b, "b")?);
-            let numbers = [difference.angle, difference.axis_distance, difference.radius_relative];
-            if numbers.iter().any(|number| !number.is_finite()) {
-                return Err(Error::Numerical { what: "the difference of the cylinders" }.into());
-            }
-            for (slot, number) in [angle, axis_distance, radius_relative].into_iter().zip(numbers) {
-                slot.write(number);
-            }
-            Ok(())
-        })
-    }
+    stateless(|| {
+        // SAFETY: as the header asks, `out_angle` is NULL or writable.
+        let angle = unsafe { Slot::new(out_angle, "out_angle") }?;
+        // SAFETY: as the header asks, `out_axis_distance` is NULL or writable.
+        let axis_distance = unsafe { Slot::new(out_axis_distance, "out_axis_distance") }?;
+        // SAFETY: as the header asks, `out_radius_relative` is NULL or writable.
+        let radius_relative = unsafe { Slot::new(out_radius_relative, "out_radius_relative") }?;
+        // SAFETY: as the header asks, `a` is NULL or a cylinder.
+        let a = unsafe { cylinder(a, "a") }?;
+        // SAFETY: as the header asks, `b` is NULL or a cylinder.
+        let b = unsafe { cylinder(b, "b") }?;
+        let difference = a.compare(&b);
+        let numbers = [difference.angle, difference.axis_distance, difference.radius_relative];
+        if numbers.iter().any(|number| !number.is_finite()) {
+            return Err(Error::Numerical { what: "the difference of the cylinders" }.into());
+        }
+        for (slot, number) in [angle, axis_distance, radius_relative].into_iter().zip(numbers) {
+            slot.write(number);
+        }
+        Ok(())
+    })
 }
 
 /// What to expect of measurements of a cylinder with a camera: standard deviations by the covariance at the exact view. The
@@ -136,29 +140,31 @@ pub unsafe extern "C" fn cylfuse_plan(
     out_scatter: *mut f64,
     out_total: *mut f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `cylinder` NULL or 5 doubles,
-    // `noise` NULL or 6 doubles, and `out_scatter` and `out_total` each NULL or room for 4 doubles.
-    unsafe {
-        stateless(|| {
-            let scatter = Slot::new(out_scatter.cast::<[f64; 4]>(), "out_scatter")?;
-            let total = Slot::new(out_total.cast::<[f64; 4]>(), "out_total")?;
-            let [distance, radius, length, tilt, turn] = numbers(cylinder, "cylinder")?;
-            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            let depth = DepthNoise::structured_light(&camera);
-            let mut plan = Plan { distance, radius, length, tilt, turn, ..Plan::new(camera, depth) };
-            if !noise.is_null() {
-                let [constant, linear, quadratic, correlation, noise, blur] = numbers(noise, "noise")?;
-                plan.depth = DepthNoise { constant, linear, quadratic, correlation };
-                plan.step = StepNoise::alike(noise, blur);
-            }
-            let expected = plan.expected()?;
-            let in_order = |deviations: &Deviations| {
-                let Deviations { radius, direction, position, length } = *deviations;
-                [radius, direction, position, length.unwrap_or(f64::NAN)]
-            };
-            scatter.write(in_order(&expected.scatter));
-            total.write(in_order(&expected.total));
-            Ok(())
-        })
-    }
+    stateless(|| {
+        // SAFETY: as the header asks, `out_scatter` is NULL or room for 4 doubles.
+        let scatter = unsafe { Slot::new(out_scatter.cast::<[f64; 4]>(), "out_scatter") }?;
+        // SAFETY: as the header asks, `out_total` is NULL or room for 4 doubles.
+        let total = unsafe { Slot::new(out_total.cast::<[f64; 4]>(), "out_total") }?;
+        // SAFETY: as the header asks, `cylinder` is NULL or 5 doubles.
+        let [distance, radius, length, tilt, turn] = unsafe { numbers(cylinder, "cylinder") }?;
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`.
+        let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+        let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
+        let depth = DepthNoise::structured_light(&camera);
+        let mut plan = Plan { distance, radius, length, tilt, turn, ..Plan::new(camera, depth) };
+        if !noise.is_null() {
+            // SAFETY: as the header asks, `noise` is 6 doubles where it is not NULL.
+            let [constant, linear, quadratic, correlation, noise, blur] = unsafe { numbers(noise, "noise") }?;
+            plan.depth = DepthNoise { constant, linear, quadratic, correlation };
+            plan.step = StepNoise::alike(noise, blur);
+        }
+        let expected = plan.expected()?;
+        let in_order = |deviations: &Deviations| {
+            let Deviations { radius, direction, position, length } = *deviations;
+            [radius, direction, position, length.unwrap_or(f64::NAN)]
+        };
+        scatter.write(in_order(&expected.scatter));
+        total.write(in_order(&expected.total));
+        Ok(())
+    })
 }

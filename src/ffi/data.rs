@@ -47,16 +47,19 @@ pub unsafe extern "C" fn cylfuse_fitter_push_points(
     points: *const cylfuse_points_view,
     mask: *const cylfuse_mask_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `points` NULL or points that can be read, and `mask` NULL
-    // or a mask that can be read.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            let points = views::points_view(&read(points, "points")?)?;
-            content.fitter.push_points(&points, optional_mask(mask)?.as_ref())?;
-            log_points(content, "cloud");
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `points` is NULL or points that can be read.
+        let view = unsafe { read(points, "points") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let points = unsafe { views::points_view(&view) }?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        content.fitter.push_points(&points, mask.as_ref())?;
+        log_points(content, "cloud");
+        Ok(())
+    })
 }
 
 /// Adds the points of a depth image of the selected view; `cylfuse_fitter_set_intrinsics` comes before. Pixels without
@@ -74,16 +77,19 @@ pub unsafe extern "C" fn cylfuse_fitter_push_depth(
     depth: *const cylfuse_depth_view,
     mask: *const cylfuse_mask_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `depth` NULL or a depth image that can be read, and `mask`
-    // NULL or a mask that can be read.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
-            content.fitter.push_depth(&depth, optional_mask(mask)?.as_ref(), &range)?;
-            log_points(content, "depth image");
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `depth` is NULL or a depth image that can be read.
+        let view = unsafe { read(depth, "depth") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let (depth, range) = unsafe { views::depth_view(&view) }?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        content.fitter.push_depth(&depth, mask.as_ref(), &range)?;
+        log_points(content, "depth image");
+        Ok(())
+    })
 }
 
 /// Takes the image of the selected view, grey or in colour, in place of an earlier one;
@@ -101,14 +107,17 @@ pub unsafe extern "C" fn cylfuse_fitter_push_image(
     fitter: *mut cylfuse_fitter,
     image: *const cylfuse_image_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `image` NULL or an image that can be read.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            content.fitter.push_image(&views::image_view(&read(image, "image")?)?)?;
-            content.log.write(cylfuse_log_level::INFO, || "image pushed".into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `image` is NULL or an image that can be read.
+        let view = unsafe { read(image, "image") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let image = unsafe { views::image_view(&view) }?;
+        content.fitter.push_image(&image)?;
+        content.log.write(cylfuse_log_level::INFO, || "image pushed".into());
+        Ok(())
+    })
 }
 
 /// Adds edge segments to the selected view: pieces of the two limb lines in the (distorted) image, any number of
@@ -123,16 +132,18 @@ pub unsafe extern "C" fn cylfuse_fitter_push_edges(
     fitter: *mut cylfuse_fitter,
     segments: *const cylfuse_segments_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `segments` NULL or segments that can be read.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            let segments = views::segments(&read(segments, "segments")?)?;
-            content.fitter.push_edges(&segments)?;
-            let count = content.fitter.segments().len();
-            content.log.write(cylfuse_log_level::INFO, || format!("edges pushed: {count} segments so far"));
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `segments` is NULL or segments that can be read.
+        let view = unsafe { read(segments, "segments") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let segments = unsafe { views::segments(&view) }?;
+        content.fitter.push_edges(&segments)?;
+        let count = content.fitter.segments().len();
+        content.log.write(cylfuse_log_level::INFO, || format!("edges pushed: {count} segments so far"));
+        Ok(())
+    })
 }
 
 /// Says what was pushed into the selected view since the fitter was created or cleared, and what was left out by
@@ -145,27 +156,27 @@ pub unsafe extern "C" fn cylfuse_fitter_counts(
     fitter: *const cylfuse_fitter,
     out_counts: *mut cylfuse_counts,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_counts` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Output::new(out_counts, "out_counts")?;
-            let cloud = content.fitter.cloud();
-            let dropped = cloud.dropped();
-            out.write(&cylfuse_counts {
-                struct_size: size_of::<cylfuse_counts>() as u32,
-                view: content.fitter.selected_view() as u32,
-                points_given: cloud.given() as u64,
-                points_used: cloud.len() as u64,
-                dropped_not_finite: dropped.not_finite as u64,
-                dropped_zero_weight: dropped.zero_weight as u64,
-                dropped_outside_mask: dropped.outside_mask as u64,
-                dropped_no_depth: dropped.no_depth as u64,
-                dropped_out_of_range: dropped.out_of_range as u64,
-                dropped_outside_camera: dropped.outside_camera as u64,
-                segments_given: content.fitter.segments().len() as u64,
-                dropped_hidden: dropped.hidden as u64,
-            });
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_counts` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_counts, "out_counts") }?;
+        let cloud = content.fitter.cloud();
+        let dropped = cloud.dropped();
+        out.write(&cylfuse_counts {
+            struct_size: size_of::<cylfuse_counts>() as u32,
+            view: content.fitter.selected_view() as u32,
+            points_given: cloud.given() as u64,
+            points_used: cloud.len() as u64,
+            dropped_not_finite: dropped.not_finite as u64,
+            dropped_zero_weight: dropped.zero_weight as u64,
+            dropped_outside_mask: dropped.outside_mask as u64,
+            dropped_no_depth: dropped.no_depth as u64,
+            dropped_out_of_range: dropped.out_of_range as u64,
+            dropped_outside_camera: dropped.outside_camera as u64,
+            segments_given: content.fitter.segments().len() as u64,
+            dropped_hidden: dropped.hidden as u64,
+        });
+        Ok(())
+    })
 }

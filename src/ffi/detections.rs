@@ -19,13 +19,14 @@ pub unsafe extern "C" fn cylfuse_detector_count(
     detector: *const cylfuse_detector,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            Slot::new(out_count, "out_count")?.write(content.scene()?.cylinders.len());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_count` is NULL or writable.
+        let out = unsafe { Slot::new(out_count, "out_count") }?;
+        out.write(content.scene()?.cylinders.len());
+        Ok(())
+    })
 }
 
 /// Says whether the last scene was looked at as a whole. The work of a search with its fits is bounded, so that no input
@@ -41,13 +42,14 @@ pub unsafe extern "C" fn cylfuse_detector_is_complete(
     detector: *const cylfuse_detector,
     out_complete: *mut i32,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_complete` NULL or writable.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            Slot::new(out_complete, "out_complete")?.write(i32::from(content.scene()?.complete));
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_complete` is NULL or writable.
+        let out = unsafe { Slot::new(out_complete, "out_complete") }?;
+        out.write(i32::from(content.scene()?.complete));
+        Ok(())
+    })
 }
 
 /// Says by how many pixels the depth of the last frame was moved to where the image shows the same bodies. Where registration
@@ -64,15 +66,18 @@ pub unsafe extern "C" fn cylfuse_detector_depth_moved(
     out_columns: *mut i32,
     out_rows: *mut i32,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_columns` and `out_rows` each NULL or writable.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let out = [Slot::new(out_columns, "out_columns")?, Slot::new(out_rows, "out_rows")?];
-            let moved = content.scene()?.depth_moved;
-            out.iter().zip(moved).for_each(|(out, pixels)| out.write(pixels));
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_columns` is NULL or writable.
+        let columns = unsafe { Slot::new(out_columns, "out_columns") }?;
+        // SAFETY: as the header asks, `out_rows` is NULL or writable.
+        let rows = unsafe { Slot::new(out_rows, "out_rows") }?;
+        let moved = content.scene()?.depth_moved;
+        columns.write(moved[0]);
+        rows.write(moved[1]);
+        Ok(())
+    })
 }
 
 /// Lists the cylinders of the last scene by falling score. Their order numbers them from 0 in the calls that ask for one.
@@ -92,18 +97,18 @@ pub unsafe extern "C" fn cylfuse_detector_detections(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, `out` NULL or room for `capacity` elements of
-    // `element_size` bytes, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let out = OutputArray::new(out, element_size, capacity, out_count)?;
-            out.write(content.scene()?.cylinders.iter().map(|found| cylfuse_detection {
-                score: found.score,
-                pixels: found.pixels as u64,
-                model: (&found.result.cylinder).into(),
-            }))
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` elements of `element_size` bytes and
+        // `out_count` NULL or writable.
+        let out = unsafe { OutputArray::new(out, element_size, capacity, out_count) }?;
+        out.write(content.scene()?.cylinders.iter().map(|found| cylfuse_detection {
+            score: found.score,
+            pixels: found.pixels as u64,
+            model: (&found.result.cylinder).into(),
+        }))
+    })
 }
 
 /// Reads the outcome of the fit of one cylinder.
@@ -118,14 +123,14 @@ pub unsafe extern "C" fn cylfuse_detector_get_result(
     index: usize,
     out_result: *mut cylfuse_result,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_result` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let out = Output::new(out_result, "out_result")?;
-            out.write(&(&content.cylinder(index)?.result).into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_result` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_result, "out_result") }?;
+        out.write(&(&content.cylinder(index)?.result).into());
+        Ok(())
+    })
 }
 
 /// Reads one cylinder with its deviations.
@@ -140,14 +145,14 @@ pub unsafe extern "C" fn cylfuse_detector_get_cylinder(
     index: usize,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_estimate` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let out = Output::new(out_estimate, "out_estimate")?;
-            out.write(&(&content.cylinder(index)?.result).into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_estimate` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_estimate, "out_estimate") }?;
+        out.write(&(&content.cylinder(index)?.result).into());
+        Ok(())
+    })
 }
 
 /// Reads the visible piece of one cylinder. Those of a cloud end with their points.
@@ -163,15 +168,15 @@ pub unsafe extern "C" fn cylfuse_detector_get_extent(
     index: usize,
     out_extent: *mut cylfuse_extent,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_extent` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let out = Output::new(out_extent, "out_extent")?;
-            let extent = content.cylinder(index)?.extent.as_ref().map_err(Clone::clone)?;
-            out.write(&extent.into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_extent` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_extent, "out_extent") }?;
+        let extent = content.cylinder(index)?.extent.as_ref().map_err(Clone::clone)?;
+        out.write(&extent.into());
+        Ok(())
+    })
 }
 
 /// Writes for each pixel of the colour image, or each point of the cloud, row by row, the number of its cylinder from 1 on:
@@ -189,14 +194,14 @@ pub unsafe extern "C" fn cylfuse_detector_labels(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, `out` NULL or room for `capacity` numbers, and
-    // `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let count = Slot::new(out_count, "out_count")?;
-            write_numbers(content.scene()?.labels.iter().copied(), out, capacity, &count)
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_count` is NULL or writable.
+        let count = unsafe { Slot::new(out_count, "out_count") }?;
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` numbers.
+        unsafe { write_numbers(content.scene()?.labels.iter().copied(), out, capacity, &count) }
+    })
 }
 
 /// Lists the pixels or points of one cylinder, counted from 0 row by row, in rising order.
@@ -215,17 +220,17 @@ pub unsafe extern "C" fn cylfuse_detector_indices(
     capacity: usize,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, `out` NULL or room for `capacity` indices, and
-    // `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let count = Slot::new(out_count, "out_count")?;
-            content.cylinder(index)?;
-            // There are never more of them than an index of 32 bits counts.
-            let indices = content.scene()?.indices(index).map(|k| k as u32);
-            write_numbers(indices, out, capacity, &count)
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_count` is NULL or writable.
+        let count = unsafe { Slot::new(out_count, "out_count") }?;
+        content.cylinder(index)?;
+        // There are never more of them than an index of 32 bits counts.
+        let indices = content.scene()?.indices(index).map(|k| k as u32);
+        // SAFETY: as the header asks, `out` is NULL or room for `capacity` indices.
+        unsafe { write_numbers(indices, out, capacity, &count) }
+    })
 }
 
 /// Makes a fitter of one cylinder as its fit left it, with options, frame or points, region as mask, start model and
@@ -243,16 +248,16 @@ pub unsafe extern "C" fn cylfuse_detector_make_fitter(
     index: usize,
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_fitter` NULL or writable.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            let out = Slot::new(out_fitter, "out_fitter")?;
-            out.write(std::ptr::null_mut());
-            content.cylinder(index)?;
-            let fitter = content.scene()?.fitter(index)?;
-            let content = Content { fitter, ..Content::default() };
-            out.write(allocate(cylfuse_fitter(Handle::new(content)))?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_fitter` is NULL or writable.
+        let out = unsafe { Slot::new(out_fitter, "out_fitter") }?;
+        out.write(std::ptr::null_mut());
+        content.cylinder(index)?;
+        let fitter = content.scene()?.fitter(index)?;
+        let content = Content { fitter, ..Content::default() };
+        out.write(allocate(cylfuse_fitter(Handle::new(content)))?);
+        Ok(())
+    })
 }

@@ -160,13 +160,14 @@ pub unsafe extern "C" fn cylfuse_detector_set_options(
     detector: *mut cylfuse_detector,
     options: *const cylfuse_detector_options,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `options` NULL or a struct of its `struct_size`.
-    unsafe {
-        enter_to_change(detector, |content, _| {
-            let given = read(options, "options")?.read(&content.detector.options().fit)?;
-            content.change_options(|options| *options = given)
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_change(detector, |content, _| {
+        // SAFETY: as the header asks, `options` is NULL or a struct of its `struct_size`.
+        let options = unsafe { read(options, "options") }?;
+        let given = options.read(&content.detector.options().fit)?;
+        content.change_options(|options| *options = given)
+    })
 }
 
 /// Reads the options of a detector.
@@ -178,13 +179,14 @@ pub unsafe extern "C" fn cylfuse_detector_get_options(
     detector: *const cylfuse_detector,
     out_options: *mut cylfuse_detector_options,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_options` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            Output::new(out_options, "out_options")?.write(&content.detector.options().into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_options` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_options, "out_options") }?;
+        out.write(&content.detector.options().into());
+        Ok(())
+    })
 }
 
 /// Replaces the options of the fits of a detector. Limits, threads and the start are those of the detector: here
@@ -199,13 +201,14 @@ pub unsafe extern "C" fn cylfuse_detector_set_fit_options(
     detector: *mut cylfuse_detector,
     options: *const cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `options` NULL or a struct of its `struct_size`.
-    unsafe {
-        enter_to_change(detector, |content, _| {
-            let fit = read(options, "options")?.read()?;
-            content.change_options(|options| options.fit = fit)
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_change(detector, |content, _| {
+        // SAFETY: as the header asks, `options` is NULL or a struct of its `struct_size`.
+        let options = unsafe { read(options, "options") }?;
+        let fit = options.read()?;
+        content.change_options(|options| options.fit = fit)
+    })
 }
 
 /// Reads the options of the fits of a detector.
@@ -217,13 +220,14 @@ pub unsafe extern "C" fn cylfuse_detector_get_fit_options(
     detector: *const cylfuse_detector,
     out_options: *mut cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `out_options` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(detector, |content, _| {
-            Output::new(out_options, "out_options")?.write(&(&content.detector.options().fit).into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_read(detector, |content, _| {
+        // SAFETY: as the header asks, `out_options` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_options, "out_options") }?;
+        out.write(&(&content.detector.options().fit).into());
+        Ok(())
+    })
 }
 
 /// Sets or takes away the progress callback of a detector.
@@ -238,12 +242,11 @@ pub unsafe extern "C" fn cylfuse_detector_set_progress(
     user_data: *mut c_void,
 ) -> cylfuse_status {
     // SAFETY: as the header asks, `detector` is NULL or alive.
-    unsafe {
-        enter_to_change(detector, |content, _| {
-            content.progress = Callback { function: callback, user_data };
-            Ok(())
-        })
-    }
+    let detector = unsafe { detector.as_ref() };
+    enter_to_change(detector, |content, _| {
+        content.progress = Callback { function: callback, user_data };
+        Ok(())
+    })
 }
 
 /// Finds all cylinders in the depth image of a frame, and fits each to its region by depth and image. Results are in the
@@ -259,13 +262,13 @@ pub unsafe extern "C" fn cylfuse_detector_detect(
     detector: *mut cylfuse_detector,
     frame: *const cylfuse_frame,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `frame` NULL or alive.
-    unsafe {
-        enter_to_change(detector, |content, cancel| {
-            let frame = content_of(borrow(frame)?)?;
-            content.search(cancel, |detector, observer| detector.detect_with(&frame, observer))
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_change(detector, |content, cancel| {
+        // SAFETY: as the header asks, `frame` is NULL or alive.
+        let frame = content_of(unsafe { borrow(frame) }?)?;
+        content.search(cancel, |detector, observer| detector.detect_with(&frame, observer))
+    })
 }
 
 /// Finds all cylinders in a cloud, organised or not, and fits each to its points. It is looked at from where
@@ -282,11 +285,13 @@ pub unsafe extern "C" fn cylfuse_detector_detect_points(
     detector: *mut cylfuse_detector,
     points: *const cylfuse_points_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `detector` is NULL or alive, and `points` NULL or points that can be read.
-    unsafe {
-        enter_to_change(detector, |content, cancel| {
-            let points = views::points_view(&read(points, "points")?)?;
-            content.search(cancel, |detector, observer| detector.detect_points_with(&points, observer))
-        })
-    }
+    // SAFETY: as the header asks, `detector` is NULL or alive.
+    let detector = unsafe { detector.as_ref() };
+    enter_to_change(detector, |content, cancel| {
+        // SAFETY: as the header asks, `points` is NULL or points that can be read.
+        let view = unsafe { read(points, "points") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let points = unsafe { views::points_view(&view) }?;
+        content.search(cancel, |detector, observer| detector.detect_points_with(&points, observer))
+    })
 }

@@ -77,13 +77,14 @@ pub unsafe extern "C" fn cylfuse_frame_set_intrinsics(
     frame: *mut cylfuse_frame,
     intrinsics: *const cylfuse_intrinsics,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `frame` is NULL or alive, and `intrinsics` NULL or a struct of its `struct_size`.
-    unsafe {
-        enter_to_change(frame, |frame, _| {
-            let camera = Camera::new(views::intrinsics(&read(intrinsics, "intrinsics")?)?)?;
-            Ok(frame.set_camera(camera)?)
-        })
-    }
+    // SAFETY: as the header asks, `frame` is NULL or alive.
+    let frame = unsafe { frame.as_ref() };
+    enter_to_change(frame, |frame, _| {
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`.
+        let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+        let camera = Camera::new(views::intrinsics(&intrinsics)?)?;
+        Ok(frame.set_camera(camera)?)
+    })
 }
 
 /// Sets the pose of a frame: x_reference = rotation * x_camera + translation. The identity at first.
@@ -98,14 +99,14 @@ pub unsafe extern "C" fn cylfuse_frame_set_pose(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `frame` is NULL or alive, `rotation` NULL or 9 doubles, and `translation` NULL or 3
-    // doubles.
-    unsafe {
-        enter_to_change(frame, |frame, _| {
-            frame.set_pose(views::motion(rotation, translation)?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `frame` is NULL or alive.
+    let frame = unsafe { frame.as_ref() };
+    enter_to_change(frame, |frame, _| {
+        // SAFETY: as the header asks, `rotation` is NULL or 9 doubles and `translation` NULL or 3 doubles.
+        let pose = unsafe { views::motion(rotation, translation) }?;
+        frame.set_pose(pose);
+        Ok(())
+    })
 }
 
 /// Gives the depth of a frame a camera of its own, whose size the depth image must have. See
@@ -124,13 +125,14 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth_camera(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `frame` is NULL or alive, `intrinsics` NULL or a struct of its `struct_size`,
-    // `rotation` NULL or 9 doubles, and `translation` NULL or 3 doubles.
-    unsafe {
-        enter_to_change(frame, |frame, _| {
-            Ok(frame.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
-        })
-    }
+    // SAFETY: as the header asks, `frame` is NULL or alive.
+    let frame = unsafe { frame.as_ref() };
+    enter_to_change(frame, |frame, _| {
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `rotation` NULL or 9
+        // doubles and `translation` NULL or 3 doubles.
+        let camera = unsafe { depth_camera(intrinsics, rotation, translation) }?;
+        Ok(frame.set_depth_camera(camera)?)
+    })
 }
 
 /// Sets the depth image of a frame, in place of an earlier one.
@@ -144,13 +146,15 @@ pub unsafe extern "C" fn cylfuse_frame_set_depth(
     frame: *mut cylfuse_frame,
     depth: *const cylfuse_depth_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `frame` is NULL or alive, and `depth` NULL or a depth image that can be read.
-    unsafe {
-        enter_to_change(frame, |frame, _| {
-            let (depth, range) = views::depth_view(&read(depth, "depth")?)?;
-            Ok(frame.set_depth(&depth, &range)?)
-        })
-    }
+    // SAFETY: as the header asks, `frame` is NULL or alive.
+    let frame = unsafe { frame.as_ref() };
+    enter_to_change(frame, |frame, _| {
+        // SAFETY: as the header asks, `depth` is NULL or a depth image that can be read.
+        let view = unsafe { read(depth, "depth") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let (depth, range) = unsafe { views::depth_view(&view) }?;
+        Ok(frame.set_depth(&depth, &range)?)
+    })
 }
 
 /// Sets the image of a frame, grey or in colour, in place of an earlier one.
@@ -164,10 +168,15 @@ pub unsafe extern "C" fn cylfuse_frame_set_image(
     frame: *mut cylfuse_frame,
     image: *const cylfuse_image_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `frame` is NULL or alive, and `image` NULL or an image that can be read.
-    unsafe {
-        enter_to_change(frame, |frame, _| Ok(frame.set_image(&views::image_view(&read(image, "image")?)?)?))
-    }
+    // SAFETY: as the header asks, `frame` is NULL or alive.
+    let frame = unsafe { frame.as_ref() };
+    enter_to_change(frame, |frame, _| {
+        // SAFETY: as the header asks, `image` is NULL or an image that can be read.
+        let view = unsafe { read(image, "image") }?;
+        // SAFETY: as the header asks, what the view leads to can be read.
+        let image = unsafe { views::image_view(&view) }?;
+        Ok(frame.set_image(&image)?)
+    })
 }
 
 /// Lets the selected view of a fitter take camera, depth camera, pose and images from a frame, in place of its own, and
@@ -185,22 +194,22 @@ pub unsafe extern "C" fn cylfuse_fitter_use_frame(
     frame: *const cylfuse_frame,
     mask: *const cylfuse_mask_view,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `frame` NULL or alive, and `mask` NULL or a mask that can
-    // be read.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            let frame = borrow(frame)?;
-            let mask = optional_mask(mask)?;
-            let frame = content_of(frame)?;
-            if frame.camera().is_none() {
-                let remedy = "set the intrinsics of the frame first";
-                return Err(Error::BadState { call: "using a frame", missing: "intrinsics", remedy }.into());
-            }
-            content.fitter.use_frame(&frame, mask.as_ref())?;
-            log_points(content, "frame");
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `frame` is NULL or alive.
+        let frame = unsafe { borrow(frame) }?;
+        // SAFETY: as the header asks, `mask` is NULL or a mask that can be read.
+        let mask = unsafe { optional_mask(mask) }?;
+        let frame = content_of(frame)?;
+        if frame.camera().is_none() {
+            let remedy = "set the intrinsics of the frame first";
+            return Err(Error::BadState { call: "using a frame", missing: "intrinsics", remedy }.into());
+        }
+        content.fitter.use_frame(&frame, mask.as_ref())?;
+        log_points(content, "frame");
+        Ok(())
+    })
 }
 
 /// What a frame holds; its images are shared.

@@ -48,7 +48,8 @@ const _: () = {
     shared_by_readers::<Fitter>();
 };
 
-/// What a pointer of the interface leads to.
+/// What a pointer of the interface leads to. It is only ever reached by shared references: all that other threads reach of it is atomic,
+/// locked or guarded by `access`.
 pub(super) trait Opaque {
     /// What calls work on.
     type Content;
@@ -266,16 +267,11 @@ pub(super) fn read<H: Opaque>(
 }
 
 /// Runs a call that may change what a handle holds: alone.
-///
-/// # Safety
-/// `owner` is NULL or was created and not destroyed.
-pub(super) unsafe fn enter_to_change<H: Opaque>(
-    owner: *mut H,
+pub(super) fn enter_to_change<H: Opaque>(
+    owner: Option<&H>,
     call: impl FnOnce(&mut H::Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
-    // SAFETY: the caller promises NULL or a living handle, of which all that other threads reach is atomic, locked or
-    // guarded by `access`.
-    let Some(owner) = (unsafe { owner.as_ref() }) else { return no_handle(H::NAME) };
+    let Some(owner) = owner else { return no_handle(H::NAME) };
     alone(owner.handle(), |content, cancel| {
         let result = call(content, cancel);
         log_outcome(H::log(content), result)
@@ -283,15 +279,11 @@ pub(super) unsafe fn enter_to_change<H: Opaque>(
 }
 
 /// Runs a call that only reads what a handle holds.
-///
-/// # Safety
-/// As [`enter_to_change`].
-pub(super) unsafe fn enter_to_read<H: Opaque>(
-    owner: *const H,
+pub(super) fn enter_to_read<H: Opaque>(
+    owner: Option<&H>,
     call: impl FnOnce(&H::Content, &Cancel<'_>) -> Result<(), Failure>,
 ) -> cylfuse_status {
-    // SAFETY: the caller promises NULL or a living handle.
-    match unsafe { owner.as_ref() } {
+    match owner {
         Some(owner) => read(owner, call),
         None => no_handle(H::NAME),
     }
@@ -300,7 +292,7 @@ pub(super) unsafe fn enter_to_read<H: Opaque>(
 /// Asks the calls that are running on a handle to stop.
 ///
 /// # Safety
-/// As [`enter_to_change`].
+/// `owner` is NULL or was created and not destroyed.
 pub(super) unsafe fn cancel<H: Opaque>(owner: *mut H) -> cylfuse_status {
     // SAFETY: the caller promises NULL or a living handle.
     match unsafe { owner.as_ref() } {
@@ -312,7 +304,7 @@ pub(super) unsafe fn cancel<H: Opaque>(owner: *mut H) -> cylfuse_status {
 /// The text of the last call on a handle, of this thread where it is NULL.
 ///
 /// # Safety
-/// As [`enter_to_change`].
+/// As [`cancel`].
 pub(super) unsafe fn last_error<H: Opaque>(owner: *const H) -> *const c_char {
     // SAFETY: the caller promises NULL or a living handle.
     match unsafe { owner.as_ref() } {
@@ -324,7 +316,7 @@ pub(super) unsafe fn last_error<H: Opaque>(owner: *const H) -> *const c_char {
 /// A handle that a call on another one is given.
 ///
 /// # Safety
-/// As [`enter_to_change`], for as long as the reference lives.
+/// As [`cancel`], for as long as the reference lives.
 pub(super) unsafe fn borrow<'a, H: Opaque>(owner: *const H) -> Result<&'a H, Failure> {
     // SAFETY: the caller promises NULL or a living handle.
     unsafe { owner.as_ref() }.ok_or(Failure::NullPointer { name: H::NAME })

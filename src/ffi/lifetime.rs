@@ -37,16 +37,16 @@ pub unsafe extern "C" fn cylfuse_fitter_clone(
     fitter: *const cylfuse_fitter,
     out_fitter: *mut *mut cylfuse_fitter,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_fitter` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Slot::new(out_fitter, "out_fitter")?;
-            out.write(std::ptr::null_mut());
-            let content = Content { fitter: content.fitter.try_clone()?, ..Content::default() };
-            out.write(allocate(cylfuse_fitter(Handle::new(content)))?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_fitter` is NULL or writable.
+        let out = unsafe { Slot::new(out_fitter, "out_fitter") }?;
+        out.write(std::ptr::null_mut());
+        let content = Content { fitter: content.fitter.try_clone()?, ..Content::default() };
+        out.write(allocate(cylfuse_fitter(Handle::new(content)))?);
+        Ok(())
+    })
 }
 
 /// Destroys a fitter and frees what it holds. No other call on it may be running or follow.
@@ -73,7 +73,8 @@ pub unsafe extern "C" fn cylfuse_fitter_reserve(
     segments: usize,
 ) -> cylfuse_status {
     // SAFETY: as the header asks, `fitter` is NULL or alive.
-    unsafe { enter_to_change(fitter, |content, _| Ok(content.fitter.reserve(points, segments)?)) }
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| Ok(content.fitter.reserve(points, segments)?))
 }
 
 /// Forgets the data, all views but the first, its pose and the result; keeps options, the cameras of the first view,
@@ -83,12 +84,11 @@ pub unsafe extern "C" fn cylfuse_fitter_reserve(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_clear(fitter: *mut cylfuse_fitter) -> cylfuse_status {
     // SAFETY: as the header asks, `fitter` is NULL or alive.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            content.fitter.clear();
-            Ok(())
-        })
-    }
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        content.fitter.clear();
+        Ok(())
+    })
 }
 
 /// Forgets some of the data of the selected view, and keeps the rest and the last result.
@@ -102,12 +102,11 @@ pub unsafe extern "C" fn cylfuse_fitter_clear_input(
     inputs: cylfuse_input,
 ) -> cylfuse_status {
     // SAFETY: as the header asks, `fitter` is NULL or alive.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            content.fitter.clear_inputs(inputs.read("inputs")?);
-            Ok(())
-        })
-    }
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        content.fitter.clear_inputs(inputs.read("inputs")?);
+        Ok(())
+    })
 }
 
 /// Why the last call on a fitter failed: what was wrong, the value, the limit and the remedy, one line of ASCII. Empty

@@ -10,12 +10,13 @@ use crate::geometry::{AxisCone, CylinderLimits};
 use crate::noise::NoiseModel;
 use crate::scene::DetectorOptions;
 use crate::solver::IterationLimits;
-use crate::start::ransac::LARGEST_MAX_ITERATIONS;
+use crate::start::ransac::check_max_iterations;
 
 impl cylfuse_options {
     /// The options of the library.
     pub(super) fn read(&self) -> Result<Options, Failure> {
-        self.check_samples()?;
+        // The library counts samples in `usize`, to which a number out of range need not go.
+        check_max_iterations("options.ransac_max_iterations", self.ransac_max_iterations)?;
         Ok(Options {
             method: self.method.read("options.method")?,
             objective: self.objective.read("options.objective")?,
@@ -45,16 +46,6 @@ impl cylfuse_options {
             noise: self.read_noise()?,
             independent_points: self.independent_points,
         })
-    }
-
-    /// The library counts samples in `usize`.
-    fn check_samples(&self) -> Result<(), Failure> {
-        let most = LARGEST_MAX_ITERATIONS as u64;
-        if !(1..=most).contains(&self.ransac_max_iterations) {
-            let (value, requirement) = (self.ransac_max_iterations, format!("lie in [1, {most}]"));
-            return Err(Failure::argument("options.ransac_max_iterations", value, requirement));
-        }
-        Ok(())
     }
 
     /// The standard deviations that a user may know, 0 where not.

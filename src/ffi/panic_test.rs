@@ -11,5 +11,6 @@ use super::status::cylfuse_status;
 #[must_use]
 pub unsafe fn panic_in_a_call(fitter: *mut cylfuse_fitter) -> cylfuse_status {
     // SAFETY: the caller promises NULL or a living fitter.
-    unsafe { enter_to_change(fitter, |_, _| panic!("provoked by cylfuse_test_panic")) }
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |_, _| panic!("provoked by cylfuse_test_panic"))
 }

@@ -21,12 +21,13 @@ pub unsafe extern "C" fn cylfuse_fitter_set_options(
     fitter: *mut cylfuse_fitter,
     options: *const cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `options` NULL or a struct of its `struct_size`.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            Ok(content.fitter.set_options(read(options, "options")?.read()?)?)
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `options` is NULL or a struct of its `struct_size`.
+        let options = unsafe { read(options, "options") }?;
+        Ok(content.fitter.set_options(options.read()?)?)
+    })
 }
 
 /// Reads the options.
@@ -38,13 +39,14 @@ pub unsafe extern "C" fn cylfuse_fitter_get_options(
     fitter: *const cylfuse_fitter,
     out_options: *mut cylfuse_options,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_options` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            Output::new(out_options, "out_options")?.write(&content.fitter.options().into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_options` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_options, "out_options") }?;
+        out.write(&content.fitter.options().into());
+        Ok(())
+    })
 }
 
 /// Selects a view, so that the calls that set or push something, and those whose text says so, concern that view. There
@@ -62,16 +64,15 @@ pub unsafe extern "C" fn cylfuse_fitter_select_view(
     index: usize,
 ) -> cylfuse_status {
     // SAFETY: as the header asks, `fitter` is NULL or alive.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            let count = content.fitter.view_count();
-            if index > count || u32::try_from(index).is_err() {
-                let requirement = format!("be at most the number of views, {count}, which adds one");
-                return Err(Failure::argument("index", index, requirement));
-            }
-            Ok(content.fitter.select_view(index)?)
-        })
-    }
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        let count = content.fitter.view_count();
+        if index > count || u32::try_from(index).is_err() {
+            let requirement = format!("be at most the number of views, {count}, which adds one");
+            return Err(Failure::argument("index", index, requirement));
+        }
+        Ok(content.fitter.select_view(index)?)
+    })
 }
 
 /// Says how many views there are, at least 1.
@@ -83,13 +84,14 @@ pub unsafe extern "C" fn cylfuse_fitter_view_count(
     fitter: *const cylfuse_fitter,
     out_count: *mut usize,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_count` NULL or writable.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            Slot::new(out_count, "out_count")?.write(content.fitter.view_count());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_count` is NULL or writable.
+        let out = unsafe { Slot::new(out_count, "out_count") }?;
+        out.write(content.fitter.view_count());
+        Ok(())
+    })
 }
 
 /// Sets the pose of the selected view: x_reference = rotation * x_camera + translation. The identity at first.
@@ -104,14 +106,14 @@ pub unsafe extern "C" fn cylfuse_fitter_set_pose(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `rotation` NULL or 9 doubles, and `translation` NULL or 3
-    // doubles.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            content.fitter.set_pose(views::motion(rotation, translation)?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `rotation` is NULL or 9 doubles and `translation` NULL or 3 doubles.
+        let pose = unsafe { views::motion(rotation, translation) }?;
+        content.fitter.set_pose(pose);
+        Ok(())
+    })
 }
 
 /// Gives the depth of the selected view a camera of its own, for depth that is not registered to the colour image:
@@ -132,13 +134,14 @@ pub unsafe extern "C" fn cylfuse_fitter_set_depth_camera(
     rotation: *const f64,
     translation: *const f64,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `intrinsics` NULL or a struct of its `struct_size`,
-    // `rotation` NULL or 9 doubles, and `translation` NULL or 3 doubles.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            Ok(content.fitter.set_depth_camera(depth_camera(intrinsics, rotation, translation)?)?)
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`, `rotation` NULL or 9
+        // doubles and `translation` NULL or 3 doubles.
+        let camera = unsafe { depth_camera(intrinsics, rotation, translation) }?;
+        Ok(content.fitter.set_depth_camera(camera)?)
+    })
 }
 
 /// Sets the colour camera of the selected view, which depth images, images and edges need. Points that were pushed
@@ -153,13 +156,14 @@ pub unsafe extern "C" fn cylfuse_fitter_set_intrinsics(
     fitter: *mut cylfuse_fitter,
     intrinsics: *const cylfuse_intrinsics,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `intrinsics` NULL or a struct of its `struct_size`.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            let intrinsics = views::intrinsics(&read(intrinsics, "intrinsics")?)?;
-            Ok(content.fitter.set_intrinsics(intrinsics)?)
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `intrinsics` is NULL or a struct of its `struct_size`.
+        let intrinsics = unsafe { read(intrinsics, "intrinsics") }?;
+        let intrinsics = views::intrinsics(&intrinsics)?;
+        Ok(content.fitter.set_intrinsics(intrinsics)?)
+    })
 }
 
 /// Reads the intrinsics of the colour camera of the selected view: those that were set, or those of its frame.
@@ -172,19 +176,19 @@ pub unsafe extern "C" fn cylfuse_fitter_get_intrinsics(
     fitter: *const cylfuse_fitter,
     out_intrinsics: *mut cylfuse_intrinsics,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_intrinsics` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Output::new(out_intrinsics, "out_intrinsics")?;
-            let camera = content.fitter.camera().ok_or(Error::BadState {
-                call: "reading the intrinsics",
-                missing: "a colour camera in the selected view",
-                remedy: "set its intrinsics or use a frame first",
-            })?;
-            out.write(&camera.intrinsics().into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_intrinsics` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_intrinsics, "out_intrinsics") }?;
+        let camera = content.fitter.camera().ok_or(Error::BadState {
+            call: "reading the intrinsics",
+            missing: "a colour camera in the selected view",
+            remedy: "set its intrinsics or use a frame first",
+        })?;
+        out.write(&camera.intrinsics().into());
+        Ok(())
+    })
 }
 
 /// Sets a start model: a candidate for the start AUTO, the start of MODEL. Of points alone that hold several bodies AUTO and
@@ -199,13 +203,14 @@ pub unsafe extern "C" fn cylfuse_fitter_set_start_model(
     fitter: *mut cylfuse_fitter,
     model: *const cylfuse_cylinder,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `model` NULL or a cylinder.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            content.fitter.set_start(views::optional_cylinder(model)?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { views::optional_cylinder(model) }?;
+        content.fitter.set_start(model);
+        Ok(())
+    })
 }
 
 /// Sets or takes away the progress callback.
@@ -220,12 +225,11 @@ pub unsafe extern "C" fn cylfuse_fitter_set_progress(
     user_data: *mut c_void,
 ) -> cylfuse_status {
     // SAFETY: as the header asks, `fitter` is NULL or alive.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            content.progress = Callback { function: callback, user_data };
-            Ok(())
-        })
-    }
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        content.progress = Callback { function: callback, user_data };
+        Ok(())
+    })
 }
 
 /// Sets or takes away the log callback. There is none at first, and the library never prints.
@@ -243,11 +247,10 @@ pub unsafe extern "C" fn cylfuse_fitter_set_log(
     user_data: *mut c_void,
 ) -> cylfuse_status {
     // SAFETY: as the header asks, `fitter` is NULL or alive.
-    unsafe {
-        enter_to_change(fitter, |content, _| {
-            max_level.check("max_level")?;
-            content.log = Log { level: max_level.0, callback: Callback { function: callback, user_data } };
-            Ok(())
-        })
-    }
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, _| {
+        max_level.check("max_level")?;
+        content.log = Log { level: max_level.0, callback: Callback { function: callback, user_data } };
+        Ok(())
+    })
 }

@@ -158,13 +158,12 @@ impl<T: SizeTagged> Output<T> {
     pub fn write(self, value: &T) {
         let filled = self.given.min(size_of::<T>());
         let to = self.pointer.cast::<u8>();
-        // SAFETY: both sides hold at least `filled` bytes, which is at least the first size and thus more than a
-        // u32, the caller's side holds `given`; the value has no padding, and no alignment is assumed.
-        unsafe {
-            std::ptr::copy_nonoverlapping(std::ptr::from_ref(value).cast::<u8>(), to, filled);
-            to.add(filled).write_bytes(0, self.given - filled);
-            to.cast::<u32>().write_unaligned(filled as u32);
-        }
+        // SAFETY: both sides hold at least `filled` bytes, and the value has no padding.
+        unsafe { std::ptr::copy_nonoverlapping(std::ptr::from_ref(value).cast::<u8>(), to, filled) };
+        // SAFETY: the caller's side holds `given` bytes.
+        unsafe { to.add(filled).write_bytes(0, self.given - filled) };
+        // SAFETY: it holds at least the first size, which is more than a u32; no alignment is assumed.
+        unsafe { to.cast::<u32>().write_unaligned(filled as u32) };
     }
 }
 
@@ -212,13 +211,12 @@ impl<T: Growing> OutputArray<T> {
         let filled = self.element_size.min(size_of::<T>());
         for (index, value) in values.enumerate().take(needed) {
             let from = std::ptr::from_ref(&value).cast::<u8>();
-            // SAFETY: the index is below the capacity, so that the element lies in the caller's array, and both
-            // sides hold `filled` bytes.
-            unsafe {
-                let to = self.first.cast::<u8>().add(index * self.element_size);
-                std::ptr::copy_nonoverlapping(from, to, filled);
-                to.add(filled).write_bytes(0, self.element_size - filled);
-            }
+            // SAFETY: the index is below the capacity, so that the element lies in the caller's array.
+            let to = unsafe { self.first.cast::<u8>().add(index * self.element_size) };
+            // SAFETY: both sides hold `filled` bytes.
+            unsafe { std::ptr::copy_nonoverlapping(from, to, filled) };
+            // SAFETY: the element of the caller's array holds `element_size` bytes.
+            unsafe { to.add(filled).write_bytes(0, self.element_size - filled) };
         }
         Ok(())
     }
@@ -240,13 +238,12 @@ pub(super) unsafe fn init<T: SizeTagged>(
     check_size::<T>(name, given, None)?;
     let bytes = pointer.cast::<u8>();
     let known = given.min(size_of::<T>());
-    // SAFETY: not NULL, so the caller promises room for `given` bytes, which is at least the first size and thus
-    // more than a u32, and `known` is no more; the defaults have no padding.
-    unsafe {
-        bytes.write_bytes(0, given);
-        std::ptr::copy_nonoverlapping(std::ptr::from_ref(defaults).cast::<u8>(), bytes, known);
-        bytes.cast::<u32>().write_unaligned(given as u32);
-    }
+    // SAFETY: not NULL, so the caller promises room for `given` bytes.
+    unsafe { bytes.write_bytes(0, given) };
+    // SAFETY: both sides hold `known` bytes, and the defaults have no padding.
+    unsafe { std::ptr::copy_nonoverlapping(std::ptr::from_ref(defaults).cast::<u8>(), bytes, known) };
+    // SAFETY: `given` is at least the first size and thus more than a u32; no alignment is assumed.
+    unsafe { bytes.cast::<u32>().write_unaligned(given as u32) };
     Ok(())
 }
 

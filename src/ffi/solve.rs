@@ -93,13 +93,11 @@ impl Outcome {
         result: *mut cylfuse_result,
         estimate: *mut cylfuse_cylinder_estimate,
     ) -> Result<Self, Failure> {
-        // SAFETY: the caller promises of each NULL or room for its `struct_size`.
-        unsafe {
-            Ok(Self {
-                result: Output::optional(result, "out_result")?,
-                estimate: Output::optional(estimate, "out_estimate")?,
-            })
-        }
+        // SAFETY: the caller promises of `result` NULL or room for its `struct_size`.
+        let result = unsafe { Output::optional(result, "out_result") }?;
+        // SAFETY: the caller promises the same of `estimate`.
+        let estimate = unsafe { Output::optional(estimate, "out_estimate") }?;
+        Ok(Self { result, estimate })
     }
 
     fn write(self, outcome: &FitResult) {
@@ -184,15 +182,14 @@ pub unsafe extern "C" fn cylfuse_fitter_fit(
     out_result: *mut cylfuse_result,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_result` and `out_estimate` each NULL or room for
-    // its `struct_size`.
-    unsafe {
-        enter_to_change(fitter, |content, cancel| {
-            let out = Outcome::new(out_result, out_estimate)?;
-            out.write(&fit(content, cancel)?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_change(fitter, |content, cancel| {
+        // SAFETY: as the header asks, `out_result` and `out_estimate` are each NULL or room for their `struct_size`.
+        let out = unsafe { Outcome::new(out_result, out_estimate) }?;
+        out.write(&fit(content, cancel)?);
+        Ok(())
+    })
 }
 
 /// Says what a fit would report for a given cylinder, without iterating. The last result stays.
@@ -210,15 +207,16 @@ pub unsafe extern "C" fn cylfuse_fitter_evaluate(
     out_result: *mut cylfuse_result,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, and `out_result` and
-    // `out_estimate` each NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Outcome::new(out_result, out_estimate)?;
-            out.write(&content.fitter.evaluate(&cylinder(model, "model")?)?);
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_result` and `out_estimate` are each NULL or room for their `struct_size`.
+        let out = unsafe { Outcome::new(out_result, out_estimate) }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { cylinder(model, "model") }?;
+        out.write(&content.fitter.evaluate(&model)?);
+        Ok(())
+    })
 }
 
 /// Reads the result of the last fit that succeeded.
@@ -231,14 +229,14 @@ pub unsafe extern "C" fn cylfuse_fitter_get_result(
     fitter: *const cylfuse_fitter,
     out_result: *mut cylfuse_result,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_result` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Output::new(out_result, "out_result")?;
-            out.write(&last_result(&content.fitter, "reading the result")?.into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_result` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_result, "out_result") }?;
+        out.write(&last_result(&content.fitter, "reading the result")?.into());
+        Ok(())
+    })
 }
 
 /// Reads the cylinder of the last fit that succeeded.
@@ -251,14 +249,14 @@ pub unsafe extern "C" fn cylfuse_fitter_get_cylinder(
     fitter: *const cylfuse_fitter,
     out_estimate: *mut cylfuse_cylinder_estimate,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, and `out_estimate` NULL or room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Output::new(out_estimate, "out_estimate")?;
-            out.write(&last_result(&content.fitter, "reading the cylinder")?.into());
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_estimate` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_estimate, "out_estimate") }?;
+        out.write(&last_result(&content.fitter, "reading the cylinder")?.into());
+        Ok(())
+    })
 }
 
 pub(super) fn last_result<'a>(fitter: &'a Fitter, call: &'static str) -> Result<&'a FitResult, Failure> {
@@ -280,22 +278,23 @@ pub unsafe extern "C" fn cylfuse_fitter_diagnose(
     model: *const cylfuse_cylinder,
     out_diagnosis: *mut cylfuse_cylinder_diagnosis,
 ) -> cylfuse_status {
-    // SAFETY: as the header asks, `fitter` is NULL or alive, `model` NULL or a cylinder, and `out_diagnosis` NULL or
-    // room for its `struct_size`.
-    unsafe {
-        enter_to_read(fitter, |content, _| {
-            let out = Output::new(out_diagnosis, "out_diagnosis")?;
-            let diagnosis = content.fitter.diagnose(optional_cylinder(model)?.as_ref())?;
-            out.write(&cylfuse_cylinder_diagnosis {
-                struct_size: size_of::<cylfuse_cylinder_diagnosis>() as u32,
-                rank: saturated(diagnosis.rank.rank),
-                singular_values: diagnosis.rank.singular_values,
-                condition: diagnosis.rank.condition,
-                weakest_shift: diagnosis.weakest_shift.into(),
-                weakest_tilt: diagnosis.weakest_tilt.into(),
-                weakest_radius: diagnosis.weakest_radius,
-            });
-            Ok(())
-        })
-    }
+    // SAFETY: as the header asks, `fitter` is NULL or alive.
+    let fitter = unsafe { fitter.as_ref() };
+    enter_to_read(fitter, |content, _| {
+        // SAFETY: as the header asks, `out_diagnosis` is NULL or room for its `struct_size`.
+        let out = unsafe { Output::new(out_diagnosis, "out_diagnosis") }?;
+        // SAFETY: as the header asks, `model` is NULL or a cylinder.
+        let model = unsafe { optional_cylinder(model) }?;
+        let diagnosis = content.fitter.diagnose(model.as_ref())?;
+        out.write(&cylfuse_cylinder_diagnosis {
+            struct_size: size_of::<cylfuse_cylinder_diagnosis>() as u32,
+            rank: saturated(diagnosis.rank.rank),
+            singular_values: diagnosis.rank.singular_values,
+            condition: diagnosis.rank.condition,
+            weakest_shift: diagnosis.weakest_shift.into(),
+            weakest_tilt: diagnosis.weakest_tilt.into(),
+            weakest_radius: diagnosis.weakest_radius,
+        });
+        Ok(())
+    })
 }

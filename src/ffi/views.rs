@@ -358,9 +358,10 @@ impl From<&Intrinsics> for cylfuse_intrinsics {
 /// # Safety
 /// `rotation` is NULL or points to 9 doubles, `translation` is NULL or points to 3.
 pub(super) unsafe fn motion(rotation: *const f64, translation: *const f64) -> Result<RigidMotion, Failure> {
-    // SAFETY: the caller promises 9 and 3 doubles, or NULL.
-    let (rotation, translation): ([f64; 9], [f64; 3]) =
-        unsafe { (numbers(rotation, "rotation")?, numbers(translation, "translation")?) };
+    // SAFETY: the caller promises NULL or 9 doubles.
+    let rotation: [f64; 9] = unsafe { numbers(rotation, "rotation") }?;
+    // SAFETY: the caller promises NULL or 3 doubles.
+    let translation: [f64; 3] = unsafe { numbers(translation, "translation") }?;
     Ok(RigidMotion::new(Matrix3::from_row_slice(&rotation), translation.into())?)
 }
 

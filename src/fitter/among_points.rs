@@ -6,8 +6,7 @@ use super::run::Run;
 use super::view::View;
 use super::{FitResult, Fitted, Fitter, Flags, MadeWith, Options, StartKind};
 use crate::detection::{
-    Detection, DetectionOptions, Looks, detect_points_until, grown, is_round, least_before_fit, reach_of,
-    widened,
+    Detection, DetectionOptions, Looks, detect_points_until, grown, is_round, least_before_fit, widened,
 };
 use crate::error::{Result, unless_cancelled};
 use crate::geometry::Cylinder;
@@ -160,9 +159,7 @@ impl Fitter {
         let into_view = view.pose().inverse();
         if !whole {
             let cylinder = into_view.cylinder(&fitted.result.cylinder);
-            let reach = reach_of(&cylinder, region.iter().map(point_of));
-            let all = (0..).zip(view.cloud.points());
-            let grown = grown(&cylinder, reach, region.iter().map(point_of), all);
+            let grown = grown(&cylinder, region.iter().map(point_of), |_| (0..).zip(view.cloud.points()));
             let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
             let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
             // What else lies near the surface draws the fit away.

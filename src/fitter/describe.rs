@@ -7,13 +7,13 @@ use super::result::{FitResult, Flags, Seconds};
 use super::scales::Scales;
 use super::start::Candidate;
 use super::taper::Taper;
-use super::uncertainty::{DISAGREEMENT, MASK_DISAGREEMENT, RadiusComparison, Uncertainty};
+use super::uncertainty::{DISAGREEMENT, ImageShift, MASK_DISAGREEMENT, RadiusComparison, Uncertainty};
 use crate::error::{Error, Result};
 use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::noise::LARGEST_DEPTH_NOISE;
 use crate::observations::{Dropped, PointCloud};
-use crate::residuals::{NormalEquations, Objective};
+use crate::residuals::{NormalEquations, Objective, Sum};
 use crate::solver::{Convergence, LeastSquares, Rank, Termination};
 use nalgebra::Vector3;
 
@@ -91,59 +91,26 @@ pub(super) fn describe(
     let objective = data.objective(constraints, cylinder, scales);
     let equations = objective.linearise(&frame).ok_or_else(infinite_cost)?;
     let squared = data.unit * data.unit;
-    let eigenvalues = equations.hessian.symmetric_eigenvalues();
     let count = data.count();
     let (walls, energy_points) = data.walls_and_energy(&frame.cylinder);
     let walls = data.near_wall().then_some(walls);
-    let clouds = || data.views.iter().map(|view| &view.view.cloud);
-    let mut dropped = Dropped::default();
-    clouds().for_each(|cloud| dropped.add(cloud.dropped()));
-    let resolution = clouds().map(PointCloud::resolution).fold(0.0, f64::max);
-    let coarse = resolution > COARSE * cylinder.radius;
-    // Where the noise is below the steps of the coordinates, what is left of the points is rounding, which is no noise.
-    let unknown = coarse && resolution > scales.all || data.is_exact_by_chance(cylinder, scales);
-    let (uncertainty, radii, shift) = match unknown {
-        true => (None, None, None),
-        false => data.uncertainty(constraints, &frame, scales, &objective),
-    };
-    // A mask is a hint: the radius by its sides is none by limbs.
-    let (radii, by_sides) = if constraints.has_limbs() { (radii, None) } else { (None, radii) };
-    let limbs = constraints.views.first().and_then(|view| view.limbs.as_ref());
-    let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
-    let scale_held = constraints.edge_weight == 1.0 && !data.has_fixed_radius();
-    let weak =
-        scale_held || is_weak(data, &equations, cylinder) || hides_radius(uncertainty.as_ref(), cylinder);
-    let mut flags = constraints.flags;
-    flags.set(Flags::SCALE_HELD, scale_held);
-    flags.set(Flags::WEAK_RADIUS, weak);
-    flags.set(Flags::RESOLUTION_LOST, coarse);
+    let (frame, objective, equations) = (&frame, &objective, &equations);
+    let described = Described { data, constraints, cylinder, scales, frame, objective, equations };
+    let stated = described.stated();
+    let mut flags = described.warnings(&stated);
     flags.set(Flags::HIDDEN_WALL, walls.is_some_and(|walls| walls.fraction() < 0.5));
+    let dropped = dropped(data);
     flags.set(Flags::POINTS_NOT_FINITE, dropped.not_finite > 0);
-    flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
-    flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
-    flags |= data.contradicted(&frame, scales, &objective);
-    flags |= warnings_of_points(data, cylinder, &frame, scales);
-    flags |= warnings_of_masks(data, constraints, cylinder, scales, (uncertainty.as_ref(), by_sides));
-    if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT)) || leaves_lines(data, constraints, cylinder) {
-        flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
-    }
-    if taper.is_some_and(Taper::is_wrong) {
-        flags |= Flags::BODY_TAPERS;
-    }
-    let smallest = eigenvalues.min().max(0.0);
-    let gradient_norm = data.options.cylinder_limits.free_gradient(&frame, &equations.gradient).norm();
+    let gradient_norm = data.options.cylinder_limits.free_gradient(frame, &equations.gradient).norm();
     if !gradient_norm.is_finite() {
         return Err(Error::Numerical { what: "the gradient at the cylinder" });
     }
-    // A view without points has one in its scales, by which nothing is divided.
-    let with_points = data.views.iter().zip(&scales.views).filter(|(view, _)| view.points.count() > 0);
-    let independent = with_points.map(|(_, scales)| scales.independent_points);
     Ok(FitResult {
         cylinder: data.canonical(cylinder),
-        uncertainty,
-        radii,
-        shift,
-        taper,
+        uncertainty: stated.uncertainty,
+        radii: stated.radii,
+        shift: stated.shift,
+        taper: stated.taper,
         start: start.cylinder.with_canonical_direction(),
         start_kind: start.kind,
         termination: None,
@@ -155,23 +122,126 @@ pub(super) fn describe(
         energy_edges: energy_of_edges(data, constraints, cylinder),
         edge_weight: data.options.has_edge_weight().then_some(constraints.edge_weight),
         points_used: count,
-        points_given: clouds().map(PointCloud::given).sum(),
+        points_given: clouds(data).map(PointCloud::given).sum(),
         dropped,
         segments_used: constraints.segments_used(),
         segments_given: data.views.iter().map(|view| view.view.segments.len()).sum(),
         limbs_located: constraints.limbs_located(),
         point_rms: energy_points.sqrt(),
         point_scale: if count > 0 { scales.all } else { 0.0 },
-        independent_points: independent.sum(),
+        independent_points: independent_points(data, scales),
         edge_rms_pixels: edge_rms_pixels(data, cylinder).filter(|_| !flags.contains(Flags::EDGES_IGNORED)),
         near_wall_fraction: walls.map(|walls| walls.fraction()),
-        condition: if smallest > 0.0 { (eigenvalues.max() / smallest).sqrt() } else { f64::INFINITY },
+        condition: condition(equations),
         lambda: 0.0,
         gradient_norm,
         step_norm: 0.0,
         flags,
         seconds: Seconds::default(),
     })
+}
+
+/// What the description of a cylinder is made from.
+struct Described<'a, 's> {
+    data: &'a Data<'a>,
+    constraints: &'a Constraints,
+    cylinder: &'a Cylinder,
+    scales: &'a Scales,
+    /// The frame, objective and normal equations at the cylinder with the direction that the result shows.
+    frame: &'a LocalFrame,
+    objective: &'a Sum<'s>,
+    equations: &'a NormalEquations,
+}
+
+/// What is stated of a cylinder by its data; `None` where they do not tell.
+struct Stated {
+    uncertainty: Option<Uncertainty>,
+    /// The radius by limbs and the one by points.
+    radii: Option<RadiusComparison>,
+    /// The same by the sides of a mask. A mask is a hint: the radius by its sides is none by limbs.
+    by_sides: Option<RadiusComparison>,
+    shift: Option<ImageShift>,
+    taper: Option<Taper>,
+}
+
+impl Described<'_, '_> {
+    /// The input resolution of the points.
+    fn resolution(&self) -> f64 {
+        clouds(self.data).map(PointCloud::resolution).fold(0.0, f64::max)
+    }
+
+    /// Whether the resolution is so coarse that digits of the radius are missing.
+    fn is_coarse(&self) -> bool {
+        self.resolution() > COARSE * self.cylinder.radius
+    }
+
+    fn stated(&self) -> Stated {
+        let Self { data, constraints, cylinder, scales, frame, objective, .. } = *self;
+        // Where the noise is below the steps of the coordinates, what is left of the points is rounding, which is no noise.
+        let unknown =
+            self.is_coarse() && self.resolution() > scales.all || data.is_exact_by_chance(cylinder, scales);
+        let (uncertainty, radii, shift) = match unknown {
+            true => (None, None, None),
+            false => data.uncertainty(constraints, frame, scales, objective),
+        };
+        let (radii, by_sides) = if constraints.has_limbs() { (radii, None) } else { (None, radii) };
+        let limbs = constraints.views.first().and_then(|view| view.limbs.as_ref());
+        let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
+        Stated { uncertainty, radii, by_sides, shift, taper }
+    }
+
+    /// The warnings of the stages of the fit, and those by what is stated, by points, masks and lines.
+    fn warnings(&self, stated: &Stated) -> Flags {
+        let Self { data, constraints, cylinder, scales, frame, objective, equations } = *self;
+        let Stated { radii, by_sides, shift, taper, .. } = *stated;
+        let uncertainty = stated.uncertainty.as_ref();
+        let scale_held = constraints.edge_weight == 1.0 && !data.has_fixed_radius();
+        let weak = scale_held || is_weak(data, equations, cylinder) || hides_radius(uncertainty, cylinder);
+        let mut flags = constraints.flags;
+        flags.set(Flags::SCALE_HELD, scale_held);
+        flags.set(Flags::WEAK_RADIUS, weak);
+        flags.set(Flags::RESOLUTION_LOST, self.is_coarse());
+        flags.set(Flags::UNCERTAINTY_UNKNOWN, data.options.method.minimises() && uncertainty.is_none());
+        flags.set(Flags::DEPTH_SHIFTED, shift.is_some_and(|shift| shift.is_wrong()));
+        flags |= data.contradicted(frame, scales, objective);
+        flags |= warnings_of_points(data, cylinder, frame, scales);
+        flags |= warnings_of_masks(data, constraints, cylinder, scales, (uncertainty, by_sides));
+        if radii.is_some_and(|radii| radii.disagree(DISAGREEMENT))
+            || leaves_lines(data, constraints, cylinder)
+        {
+            flags |= Flags::POINTS_AND_LIMBS_DISAGREE;
+        }
+        if taper.is_some_and(Taper::is_wrong) {
+            flags |= Flags::BODY_TAPERS;
+        }
+        flags
+    }
+}
+
+/// The points of each view.
+fn clouds<'a>(data: &'a Data<'_>) -> impl Iterator<Item = &'a PointCloud> {
+    data.views.iter().map(|view| &view.view.cloud)
+}
+
+/// What was left out of the data of all views.
+fn dropped(data: &Data<'_>) -> Dropped {
+    let mut dropped = Dropped::default();
+    clouds(data).for_each(|cloud| dropped.add(cloud.dropped()));
+    dropped
+}
+
+/// N_eff of all views.
+fn independent_points(data: &Data<'_>, scales: &Scales) -> f64 {
+    // A view without points has one in its scales, by which nothing is divided.
+    let with_points = data.views.iter().zip(&scales.views).filter(|(view, _)| view.points.count() > 0);
+    with_points.map(|(_, scales)| scales.independent_points).sum()
+}
+
+/// The condition of the Jacobian; infinite where the data leave a degree of freedom open.
+fn condition(equations: &NormalEquations) -> f64 {
+    let eigenvalues = equations.hessian.symmetric_eigenvalues();
+    let smallest = eigenvalues.min().max(0.0);
+    if smallest > 0.0 { (eigenvalues.max() / smallest).sqrt() } else { f64::INFINITY }
 }
 
 /// Whether the points hardly determine the radius, as if the weights were the inverse variances and the noise independent.

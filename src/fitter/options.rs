@@ -4,7 +4,7 @@ use crate::error::{Error, Result, not_negative, positive};
 use crate::geometry::CylinderLimits;
 use crate::noise::NoiseModel;
 use crate::solver::IterationLimits;
-use crate::start::ransac::LARGEST_MAX_ITERATIONS;
+use crate::start::ransac::check_max_iterations;
 
 /// How the cylinder is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -233,14 +233,7 @@ impl Options {
             return Err(Error::argument("options.max_iterations", max_iterations, "be at least 1"));
         }
         not_negative("options.ransac_threshold", self.ransac_threshold)?;
-        if !(1..=LARGEST_MAX_ITERATIONS).contains(&self.ransac_iterations) {
-            let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
-            return Err(Error::argument(
-                "options.ransac_max_iterations",
-                self.ransac_iterations,
-                requirement,
-            ));
-        }
+        check_max_iterations("options.ransac_max_iterations", self.ransac_iterations as u64)?;
         if !(self.independent_points >= 0.0 && self.independent_points.is_finite()) {
             let requirement = "be finite and at least 0; 0 = from the data";
             return Err(Error::argument("options.independent_points", self.independent_points, requirement));

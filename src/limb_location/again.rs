@@ -131,7 +131,7 @@ pub fn locate_limbs_again(
     let (baselines, radius) = baselines(grid.camera, model, &search.ranges)?;
     let [first, second] = [0, 1].map(|k| {
         let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get());
-        let (baseline, strip) = visible_strip(&grid, &baselines[k], half_width)?;
+        let (baseline, strip) = long_enough_strip(&grid, &baselines[k], half_width)?;
         let ends = if rest { at_ends(&baseline, &last.lines[k]) } else { [0.0; 2] };
         let rough = RoughLine { ends, score: 0.0, visible: true };
         let (half_length, deviation) = (baseline.half_length, search.deviation[k]);
@@ -164,8 +164,9 @@ pub fn locate_limbs_again(
         .then(|| SeenLimbs { limbs: seen.map(|limb| limb.enlarged(factor)), appearance: Some(appearance) })
 }
 
-/// The part of the image around a baseline, and the baseline as far as the image shows it; `None` where that is too short.
-fn visible_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
+/// The part of the image around a baseline, and the baseline, cut to what the image shows where more than a pixel of it is beyond; `None`
+/// where that is too short.
+fn long_enough_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
     let mut baseline = near_image(grid.camera, baseline)?;
     let half = baseline.half_length;
     let [low, high] = Strip::extent_of(grid, &baseline, half_width)?;

@@ -275,7 +275,7 @@ fn located_on(
     };
     let strips: [Option<(Baseline, Strip)>; 2] = [0, 1].map(|k| {
         let half_width = search.reach[k] + OUTSIDE.get().max(INSIDE.get()) + FILTER_HALF as f64;
-        visible_strip(grid, &baselines[k], half_width)
+        strip_cut_to_image(grid, &baselines[k], half_width)
     });
     let is_asked = most_blurred.is_finite();
     let part = if is_asked { blurred_part(strips.iter().flatten().map(|(_, strip)| strip)) } else { 0.0 };
@@ -398,8 +398,8 @@ fn near_image(camera: &Camera, baseline: &Baseline) -> Option<Baseline> {
     baseline.clipped(&(size / 2.0), size.norm())
 }
 
-/// The part of the image around a baseline, and the baseline as far as the image shows it.
-fn visible_strip(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
+/// The part of the image around a baseline, and the baseline cut to what the image shows of it.
+fn strip_cut_to_image(grid: &Grid<'_>, baseline: &Baseline, half_width: f64) -> Option<(Baseline, Strip)> {
     let baseline = near_image(grid.camera, baseline)?;
     let [low, high] = Strip::extent_of(grid, &baseline, half_width)?;
     let baseline = baseline.between(low.max(-baseline.half_length), high.min(baseline.half_length))?;

@@ -78,79 +78,141 @@ pub(super) fn collars(
     cylinder: &Cylinder,
     ends: [Option<f64>; 2],
 ) -> Option<(List<Collar>, [Option<f64>; 2])> {
+    let radius = cylinder.radius;
+    let depth = depth_between(ends, sights, cylinder);
+    let slices = Slices::new(camera, cylinder, apart, &depth)?;
+    let depth = Profile::new(&slices, &depth, LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
+    let stretches = depth.raised(longest(&slices), least_step(radius), margin(&slices, radius));
+    let narrower = depth.clone().negated();
+    let lowered = lowered_at_end(&slices, [&depth, &narrower], &stretches, radius);
+    if stretches.is_empty() && lowered.is_none() {
+        return None;
+    }
+    // Most bodies have no step that they are asked about.
+    let steps = Steps::new(camera, mask, cylinder, slices, depth);
+    if let Some(lowered) = lowered
+        && let Some(ends) = steps.ends_beside_narrower(&narrower, &lowered, ends)
+    {
+        let of_body = collars(camera, mask, (sights, apart), cylinder, ends);
+        return of_body.or_else(|| Some((List::new(), ends)));
+    }
+    let found = (0..stretches.len()).filter_map(|k| steps.collar(&stretches, k));
+    Some((found.collect(), ends))
+}
+
+/// How far the depth between the ends that are known is from the surface, with where along the axis it is.
+fn depth_between([low, high]: [Option<f64>; 2], sights: &[Sight], cylinder: &Cylinder) -> List<[f64; 2]> {
     let Cylinder { axis, radius } = cylinder;
-    let [low, high] = ends;
     // Beside the rim of a cap depth is rounded.
     let margin = MARGIN.get() * radius;
     let inside = |along: f64| {
         low.is_none_or(|end| along > end + margin) && high.is_none_or(|end| along < end - margin)
     };
-    let depth: List<[f64; 2]> = sights
+    sights
         .iter()
         .filter(|sight| sight.facing && is_near(sight.distance, *radius))
         .map(|sight| [axis.position_of(&sight.point), sight.distance])
         .filter(|[along, _]| inside(*along))
-        .collect();
-    let slices = Slices::new(camera, cylinder, apart, &depth)?;
-    let depth = Profile::new(&slices, &depth, LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
-    let least = [LEAST_STEP.get() * radius, DEPTH_RATIO.get()];
-    let longest = longest(&slices);
-    let [margin, near] = [(margin / slices.length) as usize, near_end(&slices, *radius)];
-    let narrower = depth.clone().negated();
-    let shortest = (NARROWER.get() * radius / slices.length) as usize + 1;
-    let stretches = depth.raised(longest, least, margin);
+        .collect()
+}
+
+/// The stretch at an end that may be narrower than the body, if that explains more of the depth than any collar between the ends; the
+/// depth is given as it is and negated.
+fn lowered_at_end(
+    slices: &Slices,
+    [depth, narrower]: [&Profile; 2],
+    stretches: &[Range<usize>],
+    radius: f64,
+) -> Option<Range<usize>> {
     // A coupling in the middle of a pipe makes its ends look narrower.
+    let near = near_end(slices, radius);
     let is_inside = |stretch: &&Range<usize>| slices.along(stretch, near).iter().all(|at| at.is_finite());
     let raised =
         stretches.iter().filter(is_inside).map(|stretch| depth.explained(stretch)).fold(0.0, f64::max);
-    let lowered = narrower.raised_at_end(shortest..longest + 1, least);
-    let lowered = lowered.filter(|stretch| narrower.explained(stretch) > raised);
-    if stretches.is_empty() && lowered.is_none() {
-        return None;
+    let shortest = (NARROWER.get() * radius / slices.length) as usize + 1;
+    let lowered = narrower.raised_at_end(shortest..longest(slices) + 1, least_step(radius));
+    lowered.filter(|stretch| narrower.explained(stretch) > raised)
+}
+
+/// What tells whether a step of the depth is one of the body.
+struct Steps<'a> {
+    cylinder: &'a Cylinder,
+    slices: Slices,
+    depth: Profile,
+    /// How far the sides of the mask are beyond the surface; `None` for one that shows too little.
+    sides: [Option<Profile>; 2],
+    /// By how much the axis leads away from the camera for each unit of length across the line of sight.
+    lean: f64,
+}
+
+impl<'a> Steps<'a> {
+    fn new(camera: &Camera, mask: &Mask, cylinder: &'a Cylinder, slices: Slices, depth: Profile) -> Self {
+        let axis = &cylinder.axis;
+        let middle = axis.at(slices.middle());
+        let floor = SIDES_FLOOR.get() * camera.pixel_size() * middle.z;
+        let sides = sides_of(camera, mask, cylinder).map(|side| Profile::new(&slices, &side, 1, floor));
+        let lean =
+            axis.direction.dot(&middle).abs() / axis.direction.cross(&middle).norm().max(f64::MIN_POSITIVE);
+        Self { cylinder, slices, depth, sides, lean }
     }
-    // Most bodies have no step that they are asked about.
-    let middle = axis.at(slices.middle());
-    let floor = SIDES_FLOOR.get() * camera.pixel_size() * middle.z;
-    let sides = sides_of(camera, mask, cylinder).map(|side| Profile::new(&slices, &side, 1, floor));
-    let lean =
-        axis.direction.dot(&middle).abs() / axis.direction.cross(&middle).norm().max(f64::MIN_POSITIVE);
-    // The edge of a collar is an ellipse in the image, which begins elsewhere at the sides than in the middle.
-    let moved = |step: Step| {
+
+    /// So many slices before or after it a step of the depth may begin at the sides: the edge of a collar is an ellipse in the image,
+    /// which begins elsewhere there than in the middle.
+    fn moved(&self, step: Step) -> usize {
+        let radius = self.cylinder.radius;
         let wider = step.size / radius;
-        let moved = radius * (MARGIN.get() + lean * (wider * (2.0 + wider)).sqrt());
-        ((moved / slices.length) as usize).min(slices.count)
-    };
-    if let Some(lowered) = lowered {
-        let step = narrower.step(&lowered)?;
-        let moved = moved(step);
-        let sides: List<Profile> = sides.iter().flatten().map(|side| side.clone().negated()).collect();
-        let of_sides = step_of_sides(&sides, &slices, &lowered, moved);
-        if step.ratio() >= DEPTH_RATIO.get() && is_confirmed(step, of_sides, true) {
-            let [begin, end] = slices.along(&lowered, 0);
-            let at_start = begin.is_infinite();
-            let ends = if at_start { [Some(end), high] } else { [low, Some(begin)] };
-            let of_body = collars(camera, mask, (sights, apart), cylinder, ends);
-            return of_body.or_else(|| Some((List::new(), ends)));
-        }
+        let moved = radius * (MARGIN.get() + self.lean * (wider * (2.0 + wider)).sqrt());
+        ((moved / self.slices.length) as usize).min(self.slices.count)
     }
-    let found = stretches.iter().enumerate().filter_map(|(k, stretch)| {
-        let depth = depth.without(&stretches, Some(k), margin)?;
+
+    /// The ends of the body where a stretch at one end is narrower than it; `None` where it is not.
+    fn ends_beside_narrower(
+        &self,
+        narrower: &Profile,
+        lowered: &Range<usize>,
+        [low, high]: [Option<f64>; 2],
+    ) -> Option<[Option<f64>; 2]> {
+        let step = narrower.step(lowered)?;
+        let sides: List<Profile> = self.sides.iter().flatten().map(|side| side.clone().negated()).collect();
+        let of_sides = step_of_sides(&sides, &self.slices, lowered, self.moved(step));
+        let is_narrower = step.ratio() >= DEPTH_RATIO.get() && is_confirmed(step, of_sides, true);
+        let [begin, end] = self.slices.along(lowered, 0);
+        let at_start = begin.is_infinite();
+        is_narrower.then_some(if at_start { [Some(end), high] } else { [low, Some(begin)] })
+    }
+
+    /// The collar at one of the stretches that are raised; `None` where it is none.
+    fn collar(&self, stretches: &[Range<usize>], k: usize) -> Option<Collar> {
+        let Self { slices, .. } = self;
+        let (radius, stretch) = (self.cylinder.radius, &stretches[k]);
+        let depth = self.depth.without(stretches, Some(k), margin(slices, radius))?;
         let step = depth.step(stretch)?;
-        if stretch.len() > longest || step.size < least[0] || step.ratio() < DEPTH_RATIO.get() {
+        let [least_size, least_ratio] = least_step(radius);
+        if stretch.len() > longest(slices) || step.size < least_size || step.ratio() < least_ratio {
             return None;
         }
-        let moved = moved(step);
-        let sides: List<Profile> =
-            sides.iter().flatten().filter_map(|side| side.without(&stretches, Some(k), moved)).collect();
-        let of_sides = step_of_sides(&sides, &slices, stretch, moved);
+        let moved = self.moved(step);
+        let sides = self.sides.iter().flatten();
+        let sides: List<Profile> = sides.filter_map(|side| side.without(stretches, Some(k), moved)).collect();
+        let of_sides = step_of_sides(&sides, slices, stretch, moved);
         // Of a thin collar the depth shows the face more than the rim.
         let of_rim = of_sides.filter(|side| agrees(step, *side)).map_or(0.0, |side| side.size);
         let wider = of_rim.max(step.size + depth.upper_part(stretch, step));
-        let collar = Collar { stretch: slices.along(stretch, near), radius: radius + wider };
+        let along = slices.along(stretch, near_end(slices, radius));
+        let collar = Collar { stretch: along, radius: radius + wider };
         let at_end = [0, 1].iter().any(|end| collar.closes(*end));
         is_confirmed(step, of_sides, at_end).then_some(collar)
-    });
-    Some((found.collect(), ends))
+    }
+}
+
+/// The size and the ratio of a step of the depth at least.
+fn least_step(radius: f64) -> [f64; 2] {
+    [LEAST_STEP.get() * radius, DEPTH_RATIO.get()]
+}
+
+/// How many whole slices are left out beside collars.
+fn margin(slices: &Slices, radius: f64) -> usize {
+    (MARGIN.get() * radius / slices.length) as usize
 }
 
 /// How many slices a collar has at most.

@@ -6,6 +6,7 @@
 //! them apart pixel by pixel, and the position where the one turns into the other follows from all of them together.
 
 mod collar;
+mod ends;
 mod outline;
 mod profile;
 mod shoulder;
@@ -16,11 +17,11 @@ use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
-use crate::statistics::{LOWER_QUARTILE, lower_quartile_absolute, median_and_deviation, ordered};
+use crate::statistics::{LOWER_QUARTILE, lower_quartile_absolute, ordered};
 pub use collar::Collar;
 use collar::collars;
+use ends::{Beyond, EndSearch, most, pixel_length};
 use nalgebra::Vector3;
-use outline::Rims;
 use shoulder::shoulder;
 pub(crate) use sight::extremes;
 use sight::sights;
@@ -181,68 +182,20 @@ impl Parts {
         let near = sights[first].point.z.min(sights[last].point.z);
         let width = 2.0 * WIDTH_PART.get() * cylinder.radius * camera.focal_length() / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
-        let sum = |votes: &[f64]| -votes.iter().sum::<f64>();
-        let rims = OnceCell::new();
-        let end = |outward: f64, inner: &Sight, votes: &[f64], beyond: &[Sight]| {
-            let pixel = pixel_length(camera, cylinder, inner.position)?;
-            // A plane deeper inside than the surface was measured is the bottom of an open end.
-            let measured = cylinder.axis.position_of(&inner.point);
-            let at_end =
-                |(position, _): &(f64, f64)| (measured - position) * outward <= SURPLUS.get() * pixel;
-            let of_depth = (sum(votes) >= least).then(|| match cap(beyond, cylinder, reach).filter(at_end) {
-                Some((position, spread)) => {
-                    // Matching windows draw the depth of two rims that are near to each other over the end.
-                    let apart =
-                        rims_apart(camera, cylinder, position).is_some_and(|pixels| pixels >= SURPLUS.get());
-                    let pixels = if apart { CAP_PIXELS } else { DEPTH_PIXELS };
-                    let deviation = (SHARED_PART.get() * spread).max(pixels.get() * pixel);
-                    let rims = rims.get_or_init(|| Rims::new(camera, mask, cylinder));
-                    let far = rims.far(outward, DEPTH_ODDS.get(), noise);
-                    let recess = far.map_or(0.0, |far| (far - position) * outward);
-                    let is_recessed = (LEAST_RECESS.get() * pixel..=SURPLUS.get() * pixel).contains(&recess);
-                    let recess = if is_recessed { recess } else { 0.0 };
-                    BodyEnd { position, deviation, sign: EndSign::Cap, recess }
-                }
-                None => leaving(inner, votes, beyond, outward, pixel),
-            });
-            let far_rim = || {
-                let before = DEPTH_ODDS.get() * (sum(votes) / least).clamp(0.0, 1.0);
-                let position =
-                    rims.get_or_init(|| Rims::new(camera, mask, cylinder)).far(outward, before, noise)?;
-                let votes_past = |past: bool| -> List<f64> {
-                    let chosen = |sight: &Sight| ((sight.position - position) * outward > 0.0) == past;
-                    let pairs = beyond.iter().zip(votes).filter(|(sight, _)| chosen(sight));
-                    pairs.map(|(_, vote)| *vote).collect()
-                };
-                // Where the surface is not seen up to it, it is none: a neck is narrower, or a shoulder rounds the body off.
-                if sum(&votes_past(false)) >= least {
-                    return None;
-                }
-                // Nor where the surface itself is seen beyond it.
-                let past = votes_past(true);
-                let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
-                let nothing = (inner.position - position) * outward > SURPLUS.get() * pixel;
-                (!nothing && 2 * on_surface <= past.len()).then_some(BodyEnd {
-                    position,
-                    deviation: FAR_RIM_PIXELS.get() * pixel,
-                    sign: EndSign::FarRim,
-                    recess: 0.0,
-                })
-            };
-            match of_depth {
-                Some(end) if end.deviation <= FAR_RIM_PIXELS.get() * pixel => Some(end),
-                Some(end) => Some(far_rim().unwrap_or(end)),
-                None => far_rim(),
-            }
-        };
-        let ends = [
-            end(-1.0, &sights[first], &votes[..first], &sights[..first]),
-            end(1.0, &sights[last], &votes[last + 1..], &sights[last + 1..]),
+        let search = EndSearch { camera, mask, cylinder, noise, reach, least, rims: OnceCell::new() };
+        let beyond = [
+            Beyond { outward: -1.0, inner: &sights[first], sights: &sights[..first], votes: &votes[..first] },
+            Beyond {
+                outward: 1.0,
+                inner: &sights[last],
+                sights: &sights[last + 1..],
+                votes: &votes[last + 1..],
+            },
         ];
-        let ends = [(ends[0], -1.0), (ends[1], 1.0)].map(|(end, outward)| {
-            let end = end?;
+        let ends = beyond.map(|beyond| {
+            let end = search.end(&beyond)?;
             let pixel = pixel_length(camera, cylinder, end.position)?;
-            Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], outward).unwrap_or(end))
+            Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], beyond.outward).unwrap_or(end))
         });
         let positions = ends.map(|end| Some(end?.position));
         let (collars, narrower) =
@@ -364,50 +317,12 @@ fn along_the_axis(sights: &[Sight]) -> List<Sight> {
     order.iter().map(|&key| sights[key as u64 as usize]).collect()
 }
 
-/// The end where the depth leaves the surface: between the last pixel of the body and the first of what is behind.
-fn leaving(inner: &Sight, votes: &[f64], beyond: &[Sight], outward: f64, pixel: f64) -> BodyEnd {
-    let behind: List<f64> = votes.iter().map(|vote| -vote).collect();
-    let first = most(&behind).map(|(first, last)| if outward > 0.0 { first } else { last });
-    let outer = first.map_or(inner.position, |k| beyond[k].position);
-    // Anywhere in between.
-    let gap = (outer - inner.position).abs() / 12.0_f64.sqrt();
-    BodyEnd {
-        position: f64::midpoint(inner.position, outer),
-        deviation: gap.hypot(DEPTH_PIXELS.get() * pixel),
-        sign: EndSign::Depth,
-        recess: 0.0,
-    }
-}
-
 /// Whether a ray meets a cylinder, or passes it, between positions along the axis.
 fn passes_between(cylinder: &Cylinder, ray: &Vector3<f64>, [first, last]: [Option<f64>; 2]) -> bool {
     let axis = &cylinder.axis;
     let point = cylinder.first_hit(ray).unwrap_or_else(|| ray * axis.nearest_on_ray(ray));
     let position = axis.position_of(&point);
     first.is_none_or(|end| position >= end) && last.is_none_or(|end| position <= end)
-}
-
-/// The length along the axis that one pixel shows of the middle of the visible surface.
-fn pixel_length(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64> {
-    let [point, _] = middles_of_rims(cylinder, position)?;
-    let step = 0.01 * cylinder.radius;
-    let moved = camera.project(&(point + cylinder.axis.direction * step))? - camera.project(&point)?;
-    Some(step / moved.norm()).filter(|length| length.is_finite())
-}
-
-/// How far the far rim of the end at a position is from the near one in the image, in pixels.
-fn rims_apart(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64> {
-    let [near, far] = middles_of_rims(cylinder, position)?.map(|point| camera.project(&point));
-    Some((far? - near?).norm())
-}
-
-/// The points of the circle at a position along the axis that are nearest to the observer and farthest from it.
-fn middles_of_rims(cylinder: &Cylinder, position: f64) -> Option<[Vector3<f64>; 2]> {
-    let axis = &cylinder.axis;
-    let center = axis.at(position);
-    let across = center - axis.direction * center.dot(&axis.direction);
-    let away = across.try_normalize(0.0)? * cylinder.radius;
-    Some([center - away, center + away])
 }
 
 /// How far points of the surface may be from it, by their distances and those of others.
@@ -431,33 +346,4 @@ impl Sight {
             -1.0
         }
     }
-}
-
-/// The first and the last vote of the stretch with the greatest sum; `None` where no vote is positive.
-fn most(votes: &[f64]) -> Option<(usize, usize)> {
-    let (mut best, mut found) = (0.0, None);
-    let (mut sum, mut start) = (0.0, 0);
-    for (k, vote) in votes.iter().enumerate() {
-        if sum <= 0.0 {
-            (sum, start) = (0.0, k);
-        }
-        sum += vote;
-        if sum > best {
-            (best, found) = (sum, Some((start, k)));
-        }
-    }
-    found
-}
-
-/// The position of the cap along the axis and the standard deviation of its points, if what is seen beyond an end is one.
-fn cap(beyond: &[Sight], cylinder: &Cylinder, reach: f64) -> Option<(f64, f64)> {
-    let axis = &cylinder.axis;
-    let inner = |sight: &&Sight| sight.distance <= (CAP_PART.get() - 1.0) * cylinder.radius;
-    let mut along: List<f64> =
-        beyond.iter().filter(inner).map(|sight| axis.position_of(&sight.point)).collect();
-    if along.len() < LEAST_CAP.count() {
-        return None;
-    }
-    let [middle, spread] = median_and_deviation(&mut along);
-    (spread <= (CAP_SPREAD.get() * cylinder.radius).max(reach / REACH.get())).then_some((middle, spread))
 }

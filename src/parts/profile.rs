@@ -1,6 +1,6 @@
 //! What is seen along the axis, slice by slice, off a line of it, and the stretches that are a step above that line.
 
-use super::pixel_length;
+use super::ends::pixel_length;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;

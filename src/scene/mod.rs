@@ -6,6 +6,7 @@
 mod contests;
 mod fits;
 mod labels;
+mod outcomes;
 mod regions;
 mod results;
 mod work;
@@ -26,13 +27,13 @@ use crate::fitter::{Flags, Options, StartKind};
 use crate::geometry::{CylinderLimits, RigidMotion};
 use crate::memory::{Memory, apart, is_there};
 use crate::observations::{DepthImage, DepthRange, Frame, PointsView, check_weights, moved};
-use crate::workers::Workers;
 use fits::{Fits, Task};
 use labels::renumber;
+use outcomes::{FitRegion, Outcome, Regions};
 pub use results::{Found, Scene};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use work::{Work, WorkBudget};
+use work::WorkBudget;
 
 /// Bytes a pixel or point that there must be memory for before a search begins, which could not end it well later. Searches and
 /// fits of clouds of 1 to 4 million points held 32 to 123 at a time, most where one body is all of the cloud; 231 were seen.
@@ -153,9 +154,6 @@ pub struct Detector {
     /// What a call uses again.
     memory: Memory,
 }
-
-/// What the fit of a region came to; `None` where it was not made.
-type Outcome = Option<Result<Box<Found>>>;
 
 impl Detector {
     /// A detector with default options.
@@ -342,8 +340,7 @@ impl Detector {
         observer: &mut Observer<'_>,
         fit: impl Fn(&Fits<'a>, &Task, Option<&WorkBudget<'_>>) -> Result<Box<Found>> + Sync,
     ) -> Result<Scene> {
-        let detections = &fits.seen.cylinders;
-        let count = detections.len();
+        let count = fits.seen.cylinders.len();
         let stop = AtomicBool::new(false);
         let stopped = observer.stopped;
         let poll = || match stop.load(Ordering::Relaxed) || stopped() {
@@ -356,49 +353,23 @@ impl Detector {
                 stop.store(true, Ordering::Relaxed);
             }
         };
-        // What each task comes to, up to the one with which the work is at an end.
-        let run = |tasks: &[Task], work: &Work, tell: &mut dyn FnMut(usize)| {
-            let mut outcomes: Vec<Outcome> = tasks.iter().map(|_| None).collect();
-            let compute = |index: usize, outcome: &mut Outcome| {
-                let task = &tasks[index];
-                if poll().is_break() {
-                    *outcome = Some(Err(Error::Cancelled { iterations: 0 }));
-                } else if fits.may_stay(task.cylinder)
-                    && let Some(budget) = work.budget(index, &poll)
-                {
-                    // What would be dropped whatever its fit came to has none.
-                    *outcome = Some(fit(&fits, task, Some(&budget)));
-                }
-            };
-            let mut done = 0;
-            Workers::asked(self.options.threads).map_mut(&mut outcomes, compute, |_, ()| {
-                done += 1;
-                tell(done);
-            });
-            // With threads, those from there on may have been at work yet.
-            outcomes.truncate(work.last().unwrap_or(tasks.len()));
-            outcomes
-        };
-        let tasks: Vec<Task> = (0..count).map(Task::new).collect();
-        let mut work = Work::after_search(fits.seen.visits, fits.seen.labels.len(), count);
-        tell(0);
-        let mut outcomes = run(&tasks, &work, &mut tell);
-        let last = work.last();
-        if let Some(last) = last.filter(|_| poll().is_continue()) {
-            // It is what the search found, whatever its fit came to.
-            outcomes.push(Some(fit(&fits, &tasks[last], None)));
-        }
-        let mut complete = !fits.seen.cut_short && last.is_none();
-        contests::settle(&mut outcomes, |tasks| {
-            work = work.left(tasks.len());
-            let outcomes = run(tasks, &work, &mut |_| ());
-            complete &= work.last().is_none();
-            outcomes
-        });
+        let fit: &FitRegion<'_> = &|task, budget| fit(&fits, task, budget);
+        let (outcomes, all) = Regions { fits: &fits, fit, poll: &poll }.outcomes(&mut tell);
         if poll().is_break() {
             let done = outcomes.iter().flatten().flatten();
             return Err(Error::Cancelled { iterations: done.map(|found| found.result.iterations).sum() });
         }
+        let complete = all && !fits.seen.cut_short;
+        let cylinders = self.returned(&fits.seen.cylinders, outcomes)?;
+        let Fits { seen: Detections { mut labels, .. }, size, .. } = fits;
+        renumber(&mut labels, cylinders.iter().map(|(label, _)| *label));
+        // What goes to the caller has no more room than it needs.
+        let cylinders = cylinders.into_iter().map(|(_, found)| apart(move || Found::clone(&found))).collect();
+        Ok(Scene { cylinders, labels, size, complete, depth_moved: [0; 2] })
+    }
+
+    /// The cylinders that are returned, by falling score, each with the label of its region.
+    fn returned(&self, detections: &[Detection], outcomes: Vec<Outcome>) -> Result<Vec<(u16, Box<Found>)>> {
         let mut cylinders = Vec::new();
         for (index, outcome) in outcomes.into_iter().enumerate() {
             match outcome {
@@ -416,11 +387,7 @@ impl Detector {
         }
         cylinders.sort_by(|a, b| b.1.score.total_cmp(&a.1.score));
         cylinders.truncate(self.options.search.max_count);
-        let Fits { seen: Detections { mut labels, .. }, size, .. } = fits;
-        renumber(&mut labels, cylinders.iter().map(|(label, _)| *label));
-        // What goes to the caller has no more room than it needs.
-        let cylinders = cylinders.into_iter().map(|(_, found)| apart(move || Found::clone(&found))).collect();
-        Ok(Scene { cylinders, labels, size, complete, depth_moved: [0; 2] })
+        Ok(cylinders)
     }
 }
 

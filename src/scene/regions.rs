@@ -4,7 +4,7 @@ use super::fits::{Fits, Task, found, radius_deviation};
 use super::labels::indices_of;
 use super::results::Found;
 use super::work::WorkBudget;
-use crate::detection::{Band, Detection, Looks, SETTLED, grown, is_round, reach_of, with_odds_divided};
+use crate::detection::{Band, Detection, Looks, SETTLED, grown, is_round, with_odds_divided};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::fitter::{FitResult, Fitter, Flags, contradict, is_as_good, off_planes};
 use crate::geometry::{Cylinder, Line, RigidMotion};
@@ -37,6 +37,16 @@ const ENOUGH_POINTS_TO_GROW: usize = 10_000;
 /// A fit: the fitter as it left it, and its result.
 type Fit = (Box<Fitter>, Box<FitResult>);
 
+/// A region that grows over its body.
+struct Growth {
+    /// Its points, by their numbers.
+    region: Vec<u32>,
+    /// Its cylinder.
+    detection: Detection,
+    /// The fit by which it has grown.
+    last: Option<Fit>,
+}
+
 impl Fits<'_> {
     /// The fit of a region of a cloud; without a budget the cylinder that was found. Where a region may be a part of its body it grows
     /// over the points that belong to no other yet.
@@ -47,44 +57,19 @@ impl Fits<'_> {
         task: &Task,
         budget: Option<&WorkBudget<'_>>,
     ) -> Result<Box<Found>> {
-        let mut detection = self.seen.cylinders[task.cylinder];
         let of_look = indices_of(&self.seen.labels, task.cylinder);
-        let mut region: Vec<u32> = of_look.map(|k| looks.in_all(k)).collect();
-        // With very many points each step takes as long as several of a fit.
-        let check = |iterations| match budget {
-            Some(budget) if budget.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
-            _ => Ok(()),
+        let seen = Growth {
+            region: of_look.map(|k| looks.in_all(k)).collect(),
+            detection: self.seen.cylinders[task.cylinder],
+            last: None,
         };
         let rounds = if self.seen.whole || budget.is_none() { 0 } else { ROUNDS };
-        let mut last = None;
-        for _ in 0..rounds {
-            let few = thinned(&region);
-            let seen = Detection { pixels: few.len(), ..detection };
-            let fit = self.of_region(points, looks, &few, &seen, budget)?;
-            let cylinder = fit.1.cylinder;
-            last = Some(fit);
-            // A body may have many points, for which no memory is kept.
-            let next = apart(|| {
-                let reach = reach_of(&cylinder, points_of(looks, &region));
-                grown(&cylinder, reach, points_of(looks, &region), looks.near(&cylinder, reach))
-            });
-            check(0)?;
-            detection.cylinder = cylinder;
-            if next.len() < FEWEST.count() {
-                break;
-            }
-            let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED.get() * region.len() as f64;
-            region = next;
-            detection.pixels = region.len();
-            if settled {
-                break;
-            }
-        }
+        let Growth { mut region, mut detection, last } = self.grow(points, looks, seen, rounds, budget)?;
         let mut is_one =
             self.seen.whole || apart(|| is_round(&detection.cylinder, points_of(looks, &region)));
         // Errors that neighbours share look like a surface that is not round.
         let is_lenient = self.seen.whole && !self.seen.independent;
-        check(0)?;
+        go_on(budget, 0)?;
         let mut body = Vec::new();
         if rounds > 0
             && !is_one
@@ -104,10 +89,10 @@ impl Fits<'_> {
             return Ok(none);
         }
         let fit = self.of_region(points, looks, &region, &detection, budget)?;
-        check(fit.1.iterations)?;
+        go_on(budget, fit.1.iterations)?;
         let (fitter, result);
         ((fitter, result), region) = self.off_planes(points, looks, (fit, region), &detection, budget)?;
-        check(result.iterations)?;
+        go_on(budget, result.iterations)?;
         // The score asks how well all points of the region determine the radius.
         let mut whole = self.fitter()?;
         whole.push_numbered(points, region.iter().map(|&k| looks.given(k)))?;
@@ -121,6 +106,40 @@ impl Fits<'_> {
         found.score = if is_one { with_odds_divided(found.score, self.tries) } else { 0.0 };
         (found.region, found.body) = (region, body);
         Ok(found)
+    }
+
+    /// Lets a region grow over its body, by a fit to what it has, until it settles.
+    fn grow(
+        &self,
+        points: &PointsView<'_>,
+        looks: &Looks,
+        mut growth: Growth,
+        rounds: usize,
+        budget: Option<&WorkBudget<'_>>,
+    ) -> Result<Growth> {
+        let Growth { region, detection, last } = &mut growth;
+        for _ in 0..rounds {
+            let few = thinned(region);
+            let seen = Detection { pixels: few.len(), ..*detection };
+            let fit = self.of_region(points, looks, &few, &seen, budget)?;
+            let cylinder = fit.1.cylinder;
+            *last = Some(fit);
+            // A body may have many points, for which no memory is kept.
+            let next =
+                apart(|| grown(&cylinder, points_of(looks, region), |reach| looks.near(&cylinder, reach)));
+            go_on(budget, 0)?;
+            detection.cylinder = cylinder;
+            if next.len() < FEWEST.count() {
+                break;
+            }
+            let settled = next.len().abs_diff(region.len()) as f64 <= SETTLED.get() * region.len() as f64;
+            *region = next;
+            detection.pixels = region.len();
+            if settled {
+                break;
+            }
+        }
+        Ok(growth)
     }
 
     /// A piece of a long body that bends or tapers, such as a trunk, for which it is a cylinder: half of it about the middle of its points,
@@ -241,6 +260,14 @@ impl Fits<'_> {
         let inner = region.iter().copied().filter(|&k| band.contains(&(looks.point(k) - observer)));
         let middle: Vec<u32> = inner.collect();
         (middle.len() >= FEWEST.count() && 2 * middle.len() > region.len()).then_some(middle)
+    }
+}
+
+/// Refuses to go on where the call is cancelled. With very many points each step takes as long as several of a fit.
+fn go_on(budget: Option<&WorkBudget<'_>>, iterations: usize) -> Result<()> {
+    match budget {
+        Some(budget) if budget.poll_cancel().is_break() => Err(Error::Cancelled { iterations }),
+        _ => Ok(()),
     }
 }
 

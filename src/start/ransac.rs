@@ -403,12 +403,17 @@ fn check_arguments(
         let requirement = format!("be {}, the number of points", points.len());
         return Err(Error::argument("number of normals", normals.len(), requirement));
     }
-    if !(1..=LARGEST_MAX_ITERATIONS).contains(&max_iterations) {
-        let requirement = format!("lie in [1, {LARGEST_MAX_ITERATIONS}]");
-        return Err(Error::argument("ransac_max_iterations", max_iterations, requirement));
-    }
+    check_max_iterations("ransac_max_iterations", max_iterations as u64)?;
     not_negative("threshold", threshold)?;
     limits.check()
+}
+
+/// Refuses a largest number of samples out of its range. It has 64 bits, as in the C interface, where `usize` may have fewer.
+pub(crate) fn check_max_iterations(name: &str, count: u64) -> Result<()> {
+    if (1..=LARGEST_MAX_ITERATIONS as u64).contains(&count) {
+        return Ok(());
+    }
+    Err(Error::argument(name, count, format!("lie in [1, {LARGEST_MAX_ITERATIONS}]")))
 }
 
 /// Indices of at most [`SCORED_POINTS`] finite points, evenly spaced among these.

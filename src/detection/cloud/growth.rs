@@ -75,18 +75,18 @@ impl Slice {
 }
 
 /// How far from the surface of a cylinder that was fitted to a region the points of its body lie.
-pub(crate) fn reach_of(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
+fn reach_of(cylinder: &Cylinder, region: impl Iterator<Item = Vector3<f64>>) -> f64 {
     reach(cylinder, region).min(MOST_REACH.get() * cylinder.radius)
 }
 
-/// The points within a reach of the surface of a cylinder that was fitted to a region, by their numbers. `points` has those that may
-/// belong to it.
-pub(crate) fn grown(
+/// The points of the body of a region, by their numbers: those on the surface of a cylinder that was fitted to it, as far as the body
+/// goes on. `points` gives those that may lie within a reach of that surface.
+pub(crate) fn grown<P: Iterator<Item = (u32, Vector3<f64>)>>(
     cylinder: &Cylinder,
-    reach: f64,
-    region: impl Iterator<Item = Vector3<f64>>,
-    points: impl Iterator<Item = (u32, Vector3<f64>)>,
+    region: impl Iterator<Item = Vector3<f64>> + Clone,
+    points: impl FnOnce(f64) -> P,
 ) -> Vec<u32> {
+    let reach = reach_of(cylinder, region.clone());
     let mut of_region: Vec<i64> = region.map(|point| slice_of(cylinder, &point)).collect();
     of_region.sort_unstable();
     let stray = (STRAY.get() * of_region.len() as f64) as usize;
@@ -96,7 +96,7 @@ pub(crate) fn grown(
     // Runs of points in one slice: those that follow each other lie near each other.
     let (mut on_surface, mut runs): (Vec<u32>, Vec<(i64, usize)>) = (Vec::new(), Vec::new());
     let mut of_run = Slice::default();
-    for (k, point) in points.filter(|(_, point)| cylinder.distance(point).abs() <= reach) {
+    for (k, point) in points(reach).filter(|(_, point)| cylinder.distance(point).abs() <= reach) {
         let slice = slice_of(cylinder, &point);
         match runs.last_mut() {
             Some((last, _)) if *last != slice => {
@@ -229,8 +229,7 @@ mod tests {
             points.push(Vector3::new(x, 1.0, z));
         }
         points.extend(half(-6.0, -4.0, 0.01).iter().map(|p| Vector3::new(1.2 * p.x, 1.2 * p.y, p.z)));
-        let reach = reach_of(&cylinder(), region.iter().copied());
-        let grown = grown(&cylinder(), reach, region.iter().copied(), (0..).zip(points.iter().copied()));
+        let grown = grown(&cylinder(), region.iter().copied(), |_| (0..).zip(points.iter().copied()));
         assert_eq!(grown, (0..own as u32).collect::<Vec<u32>>());
     }
 
@@ -245,8 +244,7 @@ mod tests {
         let points: Vec<_> = (0..50).flat_map(slice).collect();
         // Of the region a fiftieth may be stray, which are many slices here.
         let region: Vec<_> = (0..30).flat_map(slice).collect();
-        let reach = reach_of(&cylinder(), region.iter().copied());
-        let grown = grown(&cylinder(), reach, region.iter().copied(), (0..).zip(points.iter().copied()));
+        let grown = grown(&cylinder(), region.iter().copied(), |_| (0..).zip(points.iter().copied()));
         assert_eq!(grown.len(), points.len());
     }
 

@@ -50,21 +50,58 @@ struct Tile {
     numbers: Vec<u32>,
 }
 
-/// The looks at a cloud, one after the other: from where a sensor has seen all of it, and where none has, from all sides, and
-/// from all sides of tiles of it, in which less hides the rest and pixels are as small as the points there allow.
+/// The tiles that the cloud is cut into after the looks at all of it.
+#[derive(Debug, Default)]
+struct Tiles {
+    /// How often the cloud is cut in halves; the whole of it is looked at first.
+    level: u32,
+    /// The points of the tiles of this level that are still to be looked at, the present one last; `None` before it is cut.
+    left: Option<Vec<Vec<Range<usize>>>>,
+    /// The tile that is looked at; `None` for the whole cloud.
+    present: Option<Tile>,
+}
+
+impl Tiles {
+    /// Goes on to the next tile, after the last one to the next level.
+    fn go_on(&mut self) {
+        self.left = self.left.take().filter(|left| left.len() > 1);
+        match &mut self.left {
+            Some(left) => drop(left.pop()),
+            None => self.level += 1,
+        }
+    }
+}
+
+/// How fine the cells of an image are.
 #[derive(Debug)]
-pub(crate) struct Looks {
-    /// From where the cloud, or the tile, is looked at.
-    viewpoints: Vec<Viewpoint>,
-    /// The number of the viewpoint that is looked from.
-    current: usize,
-    /// Pixels along the side of a cell at least.
+struct Cells {
+    /// Pixels along the side of one at least.
     side: usize,
-    /// Whether finer cells may show more.
-    few_cells: bool,
-    /// Whether finer cells show bodies that are too thin for these, and lose nothing: a sensor has seen the cloud whose errors are
+    /// Whether there are so few that finer ones may show more.
+    few: bool,
+    /// Whether finer ones show bodies that are too thin for these, and lose nothing: a sensor has seen the cloud whose errors are
     /// those of single points.
     sharp: bool,
+}
+
+impl Default for Cells {
+    fn default() -> Self {
+        Self { side: LEAST_SIDE, few: false, sharp: false }
+    }
+}
+
+impl Cells {
+    /// Makes them finer where that may show more than was found `here`; whether it does.
+    fn refine(&mut self, here: bool) -> bool {
+        let may_show_more = (self.sharp || !here && self.few) && self.side > 1;
+        self.side -= usize::from(may_show_more);
+        may_show_more
+    }
+}
+
+/// What is known of where the cloud was seen from.
+#[derive(Debug, Default)]
+struct SeenFrom {
     /// Whether the cloud is so far from its origin that nothing there has seen it.
     far: bool,
     /// Whether the points have flat pieces enough for their densities to tell of a sensor in the origin, or of none there.
@@ -73,61 +110,39 @@ pub(crate) struct Looks {
     unseen: bool,
     /// Whether some image of the origin has another wall behind what is seen, or no image is of the origin.
     closed: bool,
+}
+
+/// The looks at a cloud, one after the other: from where a sensor has seen all of it, and where none has, from all sides, and
+/// from all sides of tiles of it, in which less hides the rest and pixels are as small as the points there allow.
+#[derive(Debug, Default)]
+pub(crate) struct Looks {
+    /// From where the cloud, or the tile, is looked at.
+    viewpoints: Vec<Viewpoint>,
+    /// The number of the viewpoint that is looked from.
+    current: usize,
+    cells: Cells,
+    seen: SeenFrom,
     /// How often the same surface may have been looked at before.
     before: usize,
-    /// How often the cloud is cut in halves; the whole of it is looked at first.
-    level: u32,
-    /// The points of the tiles of this level that are still to be looked at, the present one last.
-    tiles: Vec<Vec<Range<usize>>>,
-    /// Whether the cloud has been cut into them.
-    cut: bool,
+    tiles: Tiles,
     /// All points: in the order of the caller until another one is needed, as where a sensor in the origin has seen them they are
     /// looked at once.
     points: Option<Points>,
     order: Option<Order>,
-    /// The tile that is looked at; `None` for the whole cloud.
-    tile: Option<Tile>,
     /// Some of the points that are looked at, where these are many.
     sample: Option<Points>,
-    /// Whether tile and sample are to be read.
-    stale: bool,
+    /// Whether the present tile and the sample are those of the points that are there now.
+    is_read: bool,
     /// The image of the present look, where it has been made to choose that.
     pub(super) image: Option<Image>,
     /// Memory of an image, for the next one.
     pub(super) memory: Vec<u64>,
 }
 
-impl Default for Looks {
-    fn default() -> Self {
-        Self {
-            viewpoints: Vec::new(),
-            current: 0,
-            side: LEAST_SIDE,
-            few_cells: false,
-            sharp: false,
-            far: false,
-            densities_tell: false,
-            unseen: false,
-            closed: false,
-            before: 0,
-            level: 0,
-            tiles: Vec::new(),
-            cut: false,
-            points: None,
-            order: None,
-            tile: None,
-            sample: None,
-            stale: true,
-            image: None,
-            memory: Vec::new(),
-        }
-    }
-}
-
 impl Looks {
     /// The number among all points of one that is looked at.
     pub fn in_all(&self, k: usize) -> u32 {
-        self.tile.as_ref().map_or(k as u32, |tile| tile.numbers[k])
+        self.tiles.present.as_ref().map_or(k as u32, |tile| tile.numbers[k])
     }
 
     /// The number that the caller knows one of all points by.
@@ -163,25 +178,25 @@ impl Looks {
 
     /// Whether many of the points are looked at, and others will be few.
     pub fn is_large(&self) -> bool {
-        self.order.is_some() && self.level <= 1
+        self.order.is_some() && self.tiles.level <= 1
     }
 
     /// Whether all of the points are looked at, not a tile of them.
     pub fn at_all(&self) -> bool {
-        self.level == 0
+        self.tiles.level == 0
     }
 
     /// One of all points belongs to a body: later looks do not see it.
     pub fn remove(&mut self, k: u32) {
         if let Some(points) = &mut self.points {
             points.remove(k as usize);
-            self.stale = true;
+            self.is_read = false;
         }
     }
 
     /// The points that are looked at.
     pub(super) fn part(&self) -> Option<&Points> {
-        self.tile.as_ref().map(|tile| &tile.points).or(self.points.as_ref())
+        self.tiles.present.as_ref().map(|tile| &tile.points).or(self.points.as_ref())
     }
 
     /// Some of them, or all, which tell about where they are.
@@ -198,36 +213,37 @@ impl Looks {
     pub(super) fn prepare(&mut self, view: &PointsView<'_>, check_cancel: &CancelCheck<'_>) -> Result<bool> {
         if self.points.is_none() {
             let mut points = Points::read(view, Vector3::zeros(), check_cancel)?;
-            self.far = are_far(&points);
-            if self.far {
+            self.seen.far = are_far(&points);
+            if self.seen.far {
                 let among_them = points.all_usable().next().unwrap_or_default();
                 points = Points::read(view, among_them, check_cancel)?;
             }
             self.points = Some(points);
         }
-        if self.level > 0 && !self.cut {
-            self.tiles = self.order.as_ref().map_or_else(Vec::new, |order| order.tiles(self.level));
-            self.cut = true;
-        }
-        if self.level > 0 && self.tiles.is_empty() {
-            return Ok(false);
+        let Tiles { level, left, .. } = &mut self.tiles;
+        if *level > 0 {
+            let cut = || self.order.as_ref().map_or_else(Vec::new, |order| order.tiles(*level));
+            if left.get_or_insert_with(cut).is_empty() {
+                return Ok(false);
+            }
         }
         self.read_part();
         if self.part().is_none_or(|points| points.usable < FEWEST.count()) {
             return Ok(false);
         }
         if self.viewpoints.is_empty() {
-            self.side = LEAST_SIDE;
-            if self.level == 0 {
-                if !self.unseen {
+            self.cells.side = LEAST_SIDE;
+            if self.at_all() {
+                if !self.seen.unseen {
                     let sensor = self.sensor(check_cancel)?;
                     self.viewpoints.extend(sensor);
                 }
                 if self.viewpoints.is_empty() {
                     // More than one position may have seen what is far from the origin.
-                    self.closed |= self.far;
+                    self.seen.closed |= self.seen.far;
                     self.put_in_order(view, check_cancel)?;
-                    self.viewpoints = self.sample().filter(|_| !self.far).map(of_origin).unwrap_or_default();
+                    self.viewpoints =
+                        self.sample().filter(|_| !self.seen.far).map(of_origin).unwrap_or_default();
                 }
             }
             if self.viewpoints.first().is_none_or(|first| !first.is_sensor()) {
@@ -245,9 +261,9 @@ impl Looks {
         };
         let (_, middle, _) = middle_of_some(points);
         let middle = points.origin + middle;
-        let origin = if self.far { None } else { of_sensor(points) };
+        let origin = if self.seen.far { None } else { of_sensor(points) };
         // A sensor in the origin may look along another axis: that is a look like others.
-        let aside = || if self.far { None } else { of_sensor_at(&Vector3::zeros(), points, &middle) };
+        let aside = || if self.seen.far { None } else { of_sensor_at(&Vector3::zeros(), points, &middle) };
         let (mut hidden_from_origin, mut memory) = (1.0, Vec::new());
         // A look from there shows little where much is hidden, and would be the only one.
         let mut sees_all = true;
@@ -255,7 +271,7 @@ impl Looks {
             && let Some(image) = image(&from, Vec::new())?
         {
             let few = Densities::of(points, FEW_POINTS);
-            self.densities_tell = few.is_some();
+            self.seen.densities_tell = few.is_some();
             if image.seen >= SEEN.get() && few.is_none_or(|few| few.confirm(&from.origin)) {
                 self.image = origin.map(|_| image);
                 return Ok(origin);
@@ -289,12 +305,13 @@ impl Looks {
 
     /// Reads the points of the tile and the sample of those that are looked at, where others have been.
     fn read_part(&mut self) {
-        if !self.stale {
+        if self.is_read {
             return;
         }
-        self.stale = false;
-        if let (Some(ranges), Some(all)) = (self.tiles.last(), &self.points) {
-            let Tile { points, numbers } = self.tile.get_or_insert_default();
+        self.is_read = true;
+        let Tiles { left, present, .. } = &mut self.tiles;
+        if let (Some(ranges), Some(all)) = (left.as_ref().and_then(|left| left.last()), &self.points) {
+            let Tile { points, numbers } = present.get_or_insert_default();
             points.start_from(all.origin);
             numbers.clear();
             ranges.iter().for_each(|range| points.push_usable(all, range.clone(), numbers));
@@ -311,7 +328,7 @@ impl Looks {
     ) -> Result<()> {
         if let Some(points) = self.points.take_if(|_| self.order.is_none()) {
             let (order, points) = Order::of(view, points, check_cancel)?;
-            (self.order, self.points, self.stale) = (order, Some(points), true);
+            (self.order, self.points, self.is_read) = (order, Some(points), false);
             self.read_part();
         }
         Ok(())
@@ -320,10 +337,10 @@ impl Looks {
     /// Notes what the image of the present look is like: its size, whether there is another wall behind what is seen, and whether each
     /// cell has an error of its own.
     pub(super) fn note(&mut self, (width, height): (usize, usize), closed: bool, independent: bool) {
-        self.few_cells = width * height < FEW_CELLS.count() * self.side * self.side;
+        self.cells.few = width * height < FEW_CELLS.count() * self.cells.side * self.cells.side;
         let Some(viewpoint) = self.viewpoint().copied() else { return };
-        self.closed |= closed && viewpoint.may_be_sensor();
-        self.sharp = independent && viewpoint.is_sensor() && !closed;
+        self.seen.closed |= closed && viewpoint.may_be_sensor();
+        self.cells.sharp = independent && viewpoint.is_sensor() && !closed;
         if viewpoint.is_sensor() && closed && self.viewpoints.len() == 1 {
             // No sensor was there.
             self.look_from_all_sides();
@@ -332,12 +349,16 @@ impl Looks {
 
     /// Keeps the memory of an image for the next one; that of the whole cloud is much, and looked at a few times.
     pub(super) fn keep(&mut self, memory: Vec<u64>) {
-        self.memory = if self.level > 0 { memory } else { Vec::new() };
+        self.memory = if self.tiles.level > 0 { memory } else { Vec::new() };
     }
 
     /// Pixels along the side of a cell of an image of some size.
     pub(super) fn side_of_cells(&self, size: (usize, usize)) -> usize {
-        if self.side < LEAST_SIDE { self.side } else { side_of_cells(size, f64::INFINITY).max(LEAST_SIDE) }
+        if self.cells.side < LEAST_SIDE {
+            self.cells.side
+        } else {
+            side_of_cells(size, f64::INFINITY).max(LEAST_SIDE)
+        }
     }
 
     /// So many looks may have shown the same surface, the present one among them.
@@ -348,13 +369,11 @@ impl Looks {
     /// Goes on to the next look, where there is one: with finer cells where these are few and nothing was found `here`, by the present
     /// look, else from the next viewpoint, else at the next tile. Whether any look so far has `found` something.
     pub fn go_on(&mut self, found: bool, here: bool) -> bool {
-        if (self.sharp || !here && self.few_cells) && self.side > 1 {
-            self.side -= 1;
+        if self.cells.refine(here) {
             self.before += 1;
             return true;
         }
-        (self.few_cells, self.sharp) = (false, false);
-        self.side = LEAST_SIDE;
+        self.cells = Cells::default();
         let origin = self.viewpoints.get(self.current).map(|viewpoint| viewpoint.origin);
         self.current += 1;
         if let Some(next) = self.viewpoints.get(self.current) {
@@ -362,12 +381,12 @@ impl Looks {
             self.before += usize::from(Some(next.origin) != origin);
             return true;
         }
-        if let Some(sensor) = self.viewpoints.first().filter(|first| first.is_sensor() && !self.closed) {
-            if found || (sensor.origin == Vector3::zeros() && self.densities_tell) {
+        if let Some(sensor) = self.viewpoints.first().filter(|first| first.is_sensor() && !self.seen.closed) {
+            if found || (sensor.origin == Vector3::zeros() && self.seen.densities_tell) {
                 return false;
             }
             // The densities may have misled.
-            (self.unseen, self.closed) = (true, true);
+            (self.seen.unseen, self.seen.closed) = (true, true);
             self.viewpoints.clear();
             self.current = 0;
             self.before += 1;
@@ -375,13 +394,9 @@ impl Looks {
         }
         self.viewpoints.clear();
         self.current = 0;
-        self.tiles.pop();
-        self.stale = true;
-        if self.tiles.is_empty() {
-            self.level += 1;
-            self.cut = false;
-        }
-        self.before = SIDES * self.level as usize;
-        self.level <= LEVELS
+        self.tiles.go_on();
+        self.is_read = false;
+        self.before = SIDES * self.tiles.level as usize;
+        self.tiles.level <= LEVELS
     }
 }
