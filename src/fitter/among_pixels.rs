@@ -9,7 +9,6 @@ use crate::detection::{DetectionOptions, detect_until, widened};
 use crate::error::{Result, unless_cancelled};
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::observations::pixel_at;
 use std::cell::RefCell;
 
 /// A body has this part of the points at least: in a whole scene it may be any of what is there.
@@ -74,12 +73,9 @@ impl Fitter {
         if found.cylinders.is_empty() && view.image().is_some() {
             found = unless_cancelled(found_by(view.image()))?.unwrap_or_default();
         }
-        let width = camera.size().0;
-        let label_of = |k: usize| {
-            let (x, y) = pixel_at(&camera.project(&view.cloud.point(k))?)?;
-            found.labels.get(y * width + x).copied().filter(|_| x < width)
-        };
-        let labels: List<u16> = (0..view.cloud.len()).map(|k| label_of(k).unwrap_or(0)).collect();
+        let label_of = |pixel: &Option<usize>| pixel.and_then(|pixel| found.labels.get(pixel).copied());
+        let pixels = view.pixels_of_points(camera);
+        let labels: List<u16> = pixels.iter().map(|pixel| label_of(pixel).unwrap_or(0)).collect();
         let labels = &labels;
         let points_of = |label: u16| (0..labels.len()).filter(move |&k| labels[k] == label);
         let worth = |index: usize| {

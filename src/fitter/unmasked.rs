@@ -5,10 +5,14 @@ use super::view::View;
 use crate::camera::Camera;
 use crate::memory::List;
 use crate::observations::{DepthRange, DepthView, Mask, MaskView, pixel_at};
+use nalgebra::Vector3;
 
 /// The least part of the pixels with points beside which the next one has points as well. What is less dense than the image has no
 /// outline.
 const DENSE: f64 = 0.7;
+
+/// What marks a pixel with points that was counted.
+const COUNTED: u8 = 2;
 
 /// The part of the points that must lie within the image.
 const WITHIN: f64 = 0.5;
@@ -27,10 +31,18 @@ impl View {
         }
         let camera = self.camera()?;
         let size = camera.size();
-        let (nearest, within) = self.nearest_points(camera);
-        let set: List<u8> = nearest.iter().map(|&depth| u8::from(depth > 0.0)).collect();
-        let count: usize = set.iter().map(|&set| usize::from(set)).sum();
-        let beside: usize = set.iter().zip(&set[1..]).map(|(&a, &b)| usize::from(a & b)).sum();
+        let pixels = self.pixels_of_points(camera);
+        let mut set = List::filled(0_u8, size.0 * size.1);
+        pixels.iter().flatten().for_each(|&pixel| set[pixel] = 1);
+        let within = pixels.iter().flatten().count();
+        let (mut count, mut beside) = (0, 0);
+        for &pixel in pixels.iter().flatten() {
+            // Each pixel is counted once.
+            if std::mem::replace(&mut set[pixel], COUNTED) != COUNTED {
+                count += 1;
+                beside += usize::from(set.get(pixel + 1).is_some_and(|&set| set != 0));
+            }
+        }
         if (within as f64) < WITHIN * self.cloud.len() as f64 || (beside as f64) < DENSE * count as f64 {
             return None;
         }
@@ -38,25 +50,32 @@ impl View {
         let mut frame = self.frame.clone();
         if frame.depth_on_image().is_none() {
             frame.set_depth_camera(None).ok()?;
+            let nearest = self.nearest_points(&pixels, set.len());
             let depth = DepthView::from_f32(&nearest, size, 1.0).ok()?;
             frame.set_depth(&depth, &DepthRange::default()).ok()?;
         }
         Some(self.with_points_as_mask(frame, mask))
     }
 
-    /// The depth of the nearest point in each pixel, 0 for none, and how many points lie within the image.
-    fn nearest_points(&self, camera: &Camera) -> (List<f32>, usize) {
+    /// The pixel of each point, row by row, where it lies within the image.
+    pub fn pixels_of_points(&self, camera: &Camera) -> List<Option<usize>> {
         let (width, height) = camera.size();
-        let mut nearest = List::filled(0.0_f32, width * height);
-        let mut within = 0;
-        for point in self.cloud.points() {
-            let pixel = camera.project(&point).and_then(|position| pixel_at(&position));
-            let Some((column, row)) = pixel.filter(|&(x, y)| x < width && y < height) else { continue };
-            let (nearest, depth) = (&mut nearest[row * width + column], point.z as f32);
+        let pixel = |point: Vector3<f64>| {
+            let (column, row) = pixel_at(&camera.project(&point)?)?;
+            (column < width && row < height).then_some(row * width + column)
+        };
+        self.cloud.points().map(pixel).collect()
+    }
+
+    /// The depth of the nearest point in each of so many pixels, 0 for none.
+    fn nearest_points(&self, pixels: &[Option<usize>], count: usize) -> List<f32> {
+        let mut nearest = List::filled(0.0_f32, count);
+        for (point, pixel) in self.cloud.points().zip(pixels) {
+            let Some(pixel) = *pixel else { continue };
+            let (nearest, depth) = (&mut nearest[pixel], point.z as f32);
             *nearest = if *nearest > 0.0 { nearest.min(depth) } else { depth };
-            within += 1;
         }
-        (nearest, within)
+        nearest
     }
 }
 
