@@ -35,7 +35,7 @@ impl View {
         let mut set = List::filled(0_u8, size.0 * size.1);
         pixels.iter().flatten().for_each(|&pixel| set[pixel] = 1);
         let within = pixels.iter().flatten().count();
-        let (mut count, mut beside) = (0, 0);
+        let (mut count, mut beside) = (0_usize, 0_usize);
         for &pixel in pixels.iter().flatten() {
             // Each pixel is counted once.
             if std::mem::replace(&mut set[pixel], COUNTED) != COUNTED {
