@@ -84,6 +84,32 @@ fn of_what_lies_about_a_body_the_body_is_fitted() {
     }
 }
 
+/// Of two pipes of a rack that both are pushed, a start model tells which is meant, and says nothing where it is elsewhere.
+#[test]
+fn of_two_bodies_in_the_image_the_known_one_is_meant() {
+    let frame = captured(&random_scene(Kind::Pipes, 96_403).unwrap(), FOCAL, 96_403);
+    let truths: Vec<_> =
+        frame.cylinders.iter().map(|seen| seen.truth).filter(|truth| truth.object <= 2).collect();
+    let mask: Vec<u8> = frame.labels.iter().map(|label| u8::from([1, 2].contains(label))).collect();
+    let measured = depth_of(&frame, FOCAL, mask);
+    let points: Vec<[f64; 3]> = measured.cloud().points().map(Into::into).collect();
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(intrinsics(FOCAL)).unwrap();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.push_image(&ImageView::from_u8(&frame.image, SIZE).unwrap()).unwrap();
+    for truth in &truths {
+        fitter.set_start(Some(truth.cylinder));
+        let off = fitter.fit().unwrap().cylinder.radius / truth.cylinder.radius - 1.0;
+        assert!(off.abs() < 0.02, "{}: {off}", truth.object);
+    }
+    fitter.set_start(None);
+    let alone = fitter.fit().unwrap();
+    let mut elsewhere = truths[0].cylinder;
+    elsewhere.axis.point.z += 1.0;
+    fitter.set_start(Some(elsewhere));
+    assert_eq!(fitter.fit().unwrap().cylinder, alone.cylinder);
+}
+
 /// Where the image shows no limb, the outline of the points does not stand in for one: depth is missing or drawn out beside limbs.
 #[test]
 fn an_image_that_shows_no_limb_changes_nothing() {

@@ -1,6 +1,6 @@
 //! The body among the pixels of a view without a mask, where the points are dense in the image: what a search finds there.
 
-use super::among_points::weight;
+use super::among_points::{FEWEST, weight};
 use super::body::limits_in;
 use super::run::Run;
 use super::view::View;
@@ -56,7 +56,7 @@ impl Fitter {
         Ok(Some(Fitted { made_with, ..fit }))
     }
 
-    /// The region of the likely cylinder with most of the points, or with most of those near the one that is known.
+    /// The region of the likely cylinder with most of the points, or of the one that is known.
     fn likely_region(&self, view: &View, run: &mut Run<'_>) -> Result<Option<Region>> {
         let (Some(camera), Some(depth)) = (view.camera(), view.depth()) else { return Ok(None) };
         let limits = widened(&limits_in(view, &self.options));
@@ -78,19 +78,21 @@ impl Fitter {
         let labels: List<u16> = pixels.iter().map(|pixel| label_of(pixel).unwrap_or(0)).collect();
         let labels = &labels;
         let points_of = |label: u16| (0..labels.len()).filter(move |&k| labels[k] == label);
-        let worth = |index: usize| {
-            let detection = &found.cylinders[index];
-            let near_known = self.near_known(view, &detection.cylinder).map_or(0.0, |[both, _]| both);
-            let weight = weight(view, points_of(index as u16 + 1));
-            [near_known, weight].map(|of| detection.score * of)
+        // Of a cylinder that is known the region that is that, if it is among the points.
+        let near_known = |cylinder: &Cylinder| self.near_known(view, cylinder).unwrap_or_default();
+        let known = self.known_in(view);
+        let is_there = |known: &Cylinder| near_known(known)[0] * labels.len() as f64 >= FEWEST as f64;
+        let is_searched = known.as_ref().is_some_and(is_there);
+        let may_be_meant = |&index: &usize| {
+            let [both, near] = near_known(&found.cylinders[index].cylinder);
+            !is_searched || 2.0 * both >= near
         };
-        let worths: List<[f64; 2]> = (0..found.cylinders.len()).map(worth).collect();
-        let Some(best) = (0..worths.len())
-            .max_by(|&a, &b| worths[a].partial_cmp(&worths[b]).unwrap_or(std::cmp::Ordering::Equal))
-        else {
-            return Ok(None);
-        };
-        let label = best as u16 + 1;
-        Ok(Some(Region { cylinder: found.cylinders[best].cylinder, points: points_of(label).collect() }))
+        let worth = |index: usize| found.cylinders[index].score * weight(view, points_of(index as u16 + 1));
+        let best =
+            (0..found.cylinders.len()).filter(may_be_meant).max_by(|&a, &b| worth(a).total_cmp(&worth(b)));
+        Ok(best.map(|best| Region {
+            cylinder: found.cylinders[best].cylinder,
+            points: points_of(best as u16 + 1).collect(),
+        }))
     }
 }

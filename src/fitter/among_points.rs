@@ -104,7 +104,7 @@ impl Fitter {
     }
 
     /// The cylinder that is known, in the coordinates of a view.
-    fn known_in(&self, view: &View) -> Option<Cylinder> {
+    pub(super) fn known_in(&self, view: &View) -> Option<Cylinder> {
         self.known_cylinder().map(|known| view.pose().inverse().cylinder(known))
     }
 
