@@ -1,6 +1,6 @@
 //! The body among the pixels of a view without a mask, where the points are dense in the image: what a search finds there.
 
-use super::among_points::{FEWEST, weight};
+use super::among_points::weight;
 use super::body::limits_in;
 use super::run::Run;
 use super::view::View;
@@ -60,33 +60,32 @@ impl Fitter {
     fn likely_region(&self, view: &View, run: &mut Run<'_>) -> Result<Option<Region>> {
         let (Some(camera), Some(depth)) = (view.camera(), view.depth()) else { return Ok(None) };
         let limits = widened(&limits_in(view, &self.options));
-        let search = DetectionOptions { limits, ..DetectionOptions::default() };
+        let options = DetectionOptions { limits, ..DetectionOptions::default() };
         let run = RefCell::new(run);
         let stopped = || run.borrow_mut().report_again().is_break();
-        let found_by = |image| {
+        let search = || {
             let depth = depth.within(view.frame.depth_range())?;
             let filled = depth.without_gaps()?;
-            detect_until(camera, filled.as_ref().unwrap_or(&depth), image, &search, &stopped)
+            let found_by =
+                |image| detect_until(camera, filled.as_ref().unwrap_or(&depth), image, &options, &stopped);
+            // Edges of textures draw the search by the image; it finds what the depth alone does not tell.
+            let found = found_by(None)?;
+            if found.cylinders.is_empty() && view.image().is_some() {
+                found_by(view.image())
+            } else {
+                Ok(found)
+            }
         };
-        // Edges of textures draw the search by the image; it finds what the depth alone does not tell.
-        let mut found = unless_cancelled(found_by(None))?.unwrap_or_default();
-        if found.cylinders.is_empty() && view.image().is_some() {
-            found = unless_cancelled(found_by(view.image()))?.unwrap_or_default();
-        }
+        let found = unless_cancelled(search())?.unwrap_or_default();
         let label_of = |pixel: &Option<usize>| pixel.and_then(|pixel| found.labels.get(pixel).copied());
         let pixels = view.pixels_of_points(camera);
         let labels: List<u16> = pixels.iter().map(|pixel| label_of(pixel).unwrap_or(0)).collect();
         let labels = &labels;
         let points_of = |label: u16| (0..labels.len()).filter(move |&k| labels[k] == label);
         // Of a cylinder that is known the region that is that, if it is among the points.
-        let near_known = |cylinder: &Cylinder| self.near_known(view, cylinder).unwrap_or_default();
-        let known = self.known_in(view);
-        let is_there = |known: &Cylinder| near_known(known)[0] * labels.len() as f64 >= FEWEST as f64;
-        let is_searched = known.as_ref().is_some_and(is_there);
-        let may_be_meant = |&index: &usize| {
-            let [both, near] = near_known(&found.cylinders[index].cylinder);
-            !is_searched || 2.0 * both >= near
-        };
+        let is_searched = self.known_is_among(view, labels.len());
+        let may_be_meant =
+            |&index: &usize| !is_searched || self.is_near_known(view, &found.cylinders[index].cylinder);
         let worth = |index: usize| found.cylinders[index].score * weight(view, points_of(index as u16 + 1));
         let best =
             (0..found.cylinders.len()).filter(may_be_meant).max_by(|&a, &b| worth(a).total_cmp(&worth(b)));

@@ -70,9 +70,7 @@ impl Fitter {
             let weight = weight(view, body.points.iter().copied());
             [near_known(&cylinder), weight].map(|of| body.score * of)
         };
-        let known_is_there = self
-            .known_in(view)
-            .is_some_and(|known| near_known(&known) * chosen.len() as f64 >= FEWEST as f64);
+        let known_is_there = self.known_is_among(view, chosen.len());
         loop {
             let asked = RefCell::new(&mut *run);
             let stopped = || asked.borrow_mut().report_again().is_break();
@@ -104,13 +102,13 @@ impl Fitter {
     }
 
     /// The cylinder that is known, in the coordinates of a view.
-    pub(super) fn known_in(&self, view: &View) -> Option<Cylinder> {
+    fn known_in(&self, view: &View) -> Option<Cylinder> {
         self.known_cylinder().map(|known| view.pose().inverse().cylinder(known))
     }
 
     /// The weight of the points of a view that are near a cylinder and near the one that is known, and of all that are near it, as parts
     /// of that of all points, some of very many; `None` where none is known.
-    pub(super) fn near_known(&self, view: &View, cylinder: &Cylinder) -> Option<[f64; 2]> {
+    fn near_known(&self, view: &View, cylinder: &Cylinder) -> Option<[f64; 2]> {
         let known = self.known_in(view)?;
         let is_near =
             |of: &Cylinder, k: usize| of.distance(&view.cloud.point(k)).abs() <= NEAR_BODY.get() * of.radius;
@@ -126,10 +124,20 @@ impl Fitter {
         Some([both / all, near / all])
     }
 
-    /// Whether most of the points of a view that are near the cylinder of a fit are near the one that is known.
+    /// Whether enough of so many points of a view to tell a body are near the cylinder that is known, if one is.
+    pub(super) fn known_is_among(&self, view: &View, count: usize) -> bool {
+        let near = |known: Cylinder| self.near_known(view, &known).map_or(0.0, |[both, _]| both);
+        self.known_in(view).is_some_and(|known| near(known) * count as f64 >= FEWEST as f64)
+    }
+
+    /// Whether most of the points of a view that are near a cylinder in its coordinates are near the one that is known.
+    pub(super) fn is_near_known(&self, view: &View, cylinder: &Cylinder) -> bool {
+        self.near_known(view, cylinder).is_some_and(|[both, near]| 2.0 * both >= near)
+    }
+
+    /// The same of the cylinder of a fit.
     fn is_known(&self, view: &View, fit: &Fitted) -> bool {
-        let cylinder = view.pose().inverse().cylinder(&fit.result.cylinder);
-        self.near_known(view, &cylinder).is_some_and(|[both, near]| 2.0 * both >= near)
+        self.is_near_known(view, &view.pose().inverse().cylinder(&fit.result.cylinder))
     }
 
     /// Whether a body is meant and not a first fit to all points, which it contradicts: not one beside the cylinder that is known where
