@@ -122,7 +122,8 @@ impl Fitter {
     }
 
     /// By view: what is fitted of it where that is not the view as it was pushed: the part of it that is the body, where
-    /// its mask holds more, the view that was drawn again, or the one without points that are far from all others.
+    /// its mask holds more, the view that was drawn again, or the one without points that are far from all others, each without
+    /// those next to something in front.
     fn separated(&self, drawn: List<Option<View>>, run: &mut Run<'_>) -> Result<List<body::Separated>> {
         // The other objectives take the mask as it is.
         if !self.options.is_robust() {
@@ -134,7 +135,9 @@ impl Fitter {
             run.check()?;
             let drawn = drawn.next().flatten().or_else(|| view.without_far_points());
             let separated = body::separate(drawn.as_ref().unwrap_or(view), &self.options, start, run)?;
-            Ok(body::Separated { body: separated.body.or(drawn), ..separated })
+            let body = separated.body.or(drawn);
+            let clear = body.as_ref().unwrap_or(view).without_points_beside_cover(&self.options.noise);
+            Ok(body::Separated { body: clear.or(body), ..separated })
         };
         self.views.iter().map(body).collect()
     }

@@ -14,6 +14,7 @@ mod conformity;
 mod constraints;
 mod continued;
 mod correlation;
+mod covered;
 mod data;
 mod describe;
 mod edges;

@@ -201,6 +201,20 @@ impl<'a> Outline<'a> {
         Some(sides)
     }
 
+    /// The pixels of the outline beyond which something in front covers one side along the axis of a rough cylinder; none where
+    /// it covers no side, or both.
+    #[must_use]
+    pub fn covered_side(&self, camera: &Camera, rough: &Cylinder) -> List<(usize, usize)> {
+        let told = self.axis_in_image(camera, rough).zip(self.sides(camera, rough));
+        let outward = told.and_then(|(along, [first, second])| {
+            let normal = Vector2::new(-along.y, along.x);
+            (first.cut != second.cut).then_some(if first.cut { -normal } else { normal })
+        });
+        let Some((outward, depth)) = outward.zip(self.depth) else { return List::new() };
+        let on_side = self.pixels.iter().filter(|pixel| (pixel.position - self.center).dot(&outward) > 0.0);
+        on_side.map(|pixel| pixel.at).filter(|&at| covered(self.mask, depth, at, &self.noise)).collect()
+    }
+
     /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
     fn axis_in_image(&self, camera: &Camera, rough: &Cylinder) -> Option<Vector2<f64>> {
         let ray = camera.ideal_ray(&self.center);

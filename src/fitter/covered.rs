@@ -1,0 +1,67 @@
+//! Points next to something in front that covers one side of the body.
+//!
+//! Matching windows and filters mix the depth on both sides of an edge. Next to a limb that is seen a fit allows for it. What covers
+//! a limb bends the surface that is left towards itself, all along the axis alike, and of a part of a surface that makes another
+//! radius: of touching rods, half hidden, twice and more. So the points next to it have no part in the fit.
+
+use super::view::View;
+use crate::geometry::Cylinder;
+use crate::limb_location::Outline;
+use crate::memory::List;
+use crate::noise::NoiseModel;
+use crate::observations::pixel_at;
+use nalgebra::{Matrix3, Vector3};
+
+/// Pixels beside the edge of what is in front that are left out: half of a window of 5, a small one. Measured:
+/// docs/measurements-neighbours.md, "Depth beside what covers a side".
+const MIXED: f64 = 2.0;
+
+/// Before a fit the axis is known where the points spread along it so many times as far as across it at least.
+const ELONGATED: f64 = 1.5;
+
+/// The part of the points that is left at least.
+const LEAST: f64 = 0.5;
+
+impl View {
+    /// The view without its points next to something in front that covers one side of the body; `None` where there are none.
+    pub fn without_points_beside_cover(&self, noise: &NoiseModel) -> Option<Self> {
+        // A region of a detector ends where the surface does.
+        if self.is_body {
+            return None;
+        }
+        let (camera, depth, mask) = (self.camera()?, self.depth()?, self.body()?);
+        let noise = noise.in_image(camera.size());
+        let rough = elongated(self.mean_and_covariance()?)?;
+        let covered = Outline::new(mask, Some(depth), camera, &noise)?.covered_side(camera, &rough);
+        if covered.is_empty() {
+            return None;
+        }
+        let (width, height) = (mask.width(), mask.height());
+        let mut mixed = List::filled(false, width * height);
+        // The pixel at the edge is one of them.
+        let reach = (MIXED * noise.pixel - 1.0).round().max(0.0) as usize;
+        for (x, y) in covered {
+            for row in y.saturating_sub(reach)..=(y + reach).min(height - 1) {
+                let columns = x.saturating_sub(reach)..=(x + reach).min(width - 1);
+                mixed[row * width..][columns].fill(true);
+            }
+        }
+        let is_clear = |index: usize| {
+            let pixel = camera.project(&self.cloud.point(index)).and_then(|q| pixel_at(&q));
+            !pixel.is_some_and(|(x, y)| x < width && y < height && mixed[y * width + x])
+        };
+        let cloud = self.cloud.chosen(is_clear);
+        let left = cloud.len() as f64 / self.cloud.len() as f64;
+        (LEAST..1.0).contains(&left).then(|| self.with_points(cloud, self.body.clone()))
+    }
+}
+
+/// A cylinder along which points of some mean and covariance spread; `None` where they spread as far across it.
+fn elongated((mean, covariance): (Vector3<f64>, Matrix3<f64>)) -> Option<Cylinder> {
+    let principal = covariance.symmetric_eigen();
+    let longest = principal.eigenvalues.imax();
+    let across =
+        (0..3).filter(|&k| k != longest).map(|k| principal.eigenvalues[k]).fold(0.0, f64::max).sqrt();
+    let is_long = principal.eigenvalues[longest].sqrt() >= ELONGATED * across;
+    is_long.then(|| Cylinder::new(mean, principal.eigenvectors.column(longest).into_owned(), across).ok())?
+}
