@@ -1,13 +1,18 @@
-//! Depth that filters smoothed, as many cameras deliver it: beside its limbs a body goes on into what lies behind it.
+//! Depth that filters smoothed, as many cameras deliver it: beside its limbs a body goes on into what lies behind it. And depth of
+//! networks, whose errors wander slowly over the image.
 #![allow(clippy::unwrap_used, reason = "a test program")]
 
 #[path = "support/frames.rs"]
 mod frames;
+mod support;
 
-use cylfuse::camera::Camera;
+use cylfuse::camera::{Camera, Distortion, Intrinsics};
+use cylfuse::geometry::Cylinder;
 use cylfuse::observations::{DepthRange, DepthView, Frame, ImageView};
 use cylfuse::scene::{Detector, DetectorOptions};
+use nalgebra::{Vector2, Vector3};
 use std::path::Path;
+use support::Noise;
 
 /// Where nothing was measured the depth to the left, then the averages of 1/z over square windows.
 fn smoothed(depth: &[u16], (width, height): (usize, usize), window: usize) -> Vec<u16> {
@@ -47,5 +52,47 @@ fn bodies_whose_limbs_are_smoothed_are_found() {
     for (window, use_image) in [(7, false), (11, true)] {
         let found = radii(&smoothed(&inputs.depth, inputs.size, window), use_image);
         assert_eq!(found.len(), 5, "window of {window}, image: {use_image}: {found:.4?}");
+    }
+}
+
+/// A pipe before a wall. The disparity is off by 0.2 pixels, from one place to another 30 pixels away, and hardly from pixel to pixel.
+/// Each wave was a surface of its own: the pipe was found in pieces, or not at all.
+#[test]
+fn a_pipe_is_found_whole_in_depth_whose_errors_wander() {
+    const DISPARITY: f64 = 68.4; // At the distance 1.
+    const WANDERS: f64 = 0.2;
+    const WAVES: usize = 40;
+    const LENGTH: f64 = 1.1;
+    let (width, height) = (640, 480);
+    let distortion = Distortion::None;
+    let camera =
+        Camera::new(Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion })
+            .unwrap();
+    let pipe = Cylinder::new(Vector3::new(0.0, 0.0, 1.3), Vector3::x(), 0.035).unwrap();
+    let size = (width as usize, height as usize);
+    for seed in 0..6 {
+        let mut noise = Noise::new(seed);
+        // Of waves in all directions the sum has the variance 1, and its correlation falls off over some 30 pixels.
+        let waves: Vec<[f64; 3]> = (0..WAVES)
+            .map(|_| [0.035 * noise.normal(), 0.035 * noise.normal(), 10.0 * noise.normal()])
+            .collect();
+        let depth_at = |k: usize| {
+            let at = Vector2::new((k % size.0) as f64, (k / size.0) as f64);
+            let ray = camera.unproject(&at).unwrap();
+            let hit = pipe.first_hit(&ray).filter(|point| point.x.abs() < LENGTH / 2.0);
+            let depth = hit.map_or(1.6, |point| point.z);
+            let wave: f64 = waves.iter().map(|[u, v, phase]| (u * at.x + v * at.y + phase).cos()).sum();
+            let error = WANDERS * wave * (2.0 / WAVES as f64).sqrt() + 0.02 * noise.normal();
+            (DISPARITY / (DISPARITY / depth + error)) as f32
+        };
+        let depth: Vec<f32> = (0..size.0 * size.1).map(depth_at).collect();
+        let mut frame = Frame::new(camera.clone());
+        frame.set_depth(&DepthView::from_f32(&depth, size, 1.0).unwrap(), &DepthRange::default()).unwrap();
+        let scene = Detector::new().detect(&frame).unwrap();
+        let [found] = &scene.cylinders[..] else {
+            panic!("{} found with seed {seed}", scene.cylinders.len())
+        };
+        let length = found.extent.as_ref().unwrap().length;
+        assert!((length / LENGTH - 1.0).abs() < 0.05, "{length} with seed {seed}");
     }
 }

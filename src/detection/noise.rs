@@ -23,7 +23,17 @@ constants! {
 
     /// Most cells that share an error.
     MOST_SHARED = 16.0, "cells";
+
+    /// Over twice the distance the second differences of errors that wander slowly grow fourfold, those of others stay as they are. From
+    /// this factor on the former are more than the latter. Measured: docs/measurements-detection-depth.md, "Depth of networks".
+    WANDERS = 2.0, "";
+
+    /// The largest slow error of a surface, in distances: the rest is shape.
+    MOST_SLOW = 0.005, "";
 }
+
+/// How far the cells of a second difference are apart that shows errors which wander slowly: about the width of a body.
+const SLOW: usize = 16;
 
 /// What is known of the noise.
 #[derive(Debug, Clone, Copy)]
@@ -128,6 +138,23 @@ fn least_along(grid: &Grid, w: &[f64]) -> f64 {
     least
 }
 
+/// The standard deviation of errors that are alike for neighbours but differ over the width of a body, as those of networks and
+/// filters; 0 where the second differences do not grow with the distance as those of such errors do. Without them what is a wave would
+/// be shape, and end a body.
+fn slow_deviation(grid: &Grid, w: &[f64], deviation: f64) -> f64 {
+    let at = |lag: usize| {
+        let found = differences(grid, w, lag);
+        if found.len() < FEWEST.count() {
+            return 0.0;
+        }
+        lower_quartile_absolute(found.iter().copied()) / LOWER_QUARTILE
+    };
+    if at(2 * LAG) <= WANDERS.get() * deviation {
+        return 0.0;
+    }
+    at(SLOW).min(MOST_SLOW.get() * median_absolute(w.iter().copied().filter(|w| *w > 0.0)))
+}
+
 impl Noise {
     /// The noise of an image, and that of each cell; `None` where too little was measured.
     pub fn estimate(grid: &mut Grid) -> Option<Self> {
@@ -140,6 +167,7 @@ impl Noise {
         let bent = positive.max(far.len() as f64 - positive) > BENT.get() * far.len() as f64;
         let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
         let deviation = lower_quartile_absolute(far.iter().copied()).min(along) / LOWER_QUARTILE;
+        let deviation = deviation.max(slow_deviation(grid, &w, deviation));
         let nearest = median_absolute(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
         // Depth is stored in steps; no estimate is finer than rounding to f32 of the coordinates.
         let deviation = deviation.max(1e-6 * median_absolute(w.iter().copied().filter(|w| *w > 0.0)));
