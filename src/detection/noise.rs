@@ -156,8 +156,17 @@ fn slow_deviation(grid: &Grid, w: &[f64], deviation: f64) -> f64 {
 }
 
 impl Noise {
-    /// The noise of an image, and that of each cell; `None` where too little was measured.
-    pub fn estimate(grid: &mut Grid) -> Option<Self> {
+    /// The noise of a scene, and that of each cell; `None` where too little was measured.
+    pub fn of_scene(grid: &mut Grid) -> Option<Self> {
+        Self::estimate(grid, slow_deviation)
+    }
+
+    /// The same of a body, whose shape is all that changes slowly.
+    pub fn of_body(grid: &mut Grid) -> Option<Self> {
+        Self::estimate(grid, |_, _, _| 0.0)
+    }
+
+    fn estimate(grid: &mut Grid, slow: impl Fn(&Grid, &[f64], f64) -> f64) -> Option<Self> {
         let w: List<f64> = grid.cells.iter().map(|cell| cell.w).collect();
         let far = differences(grid, &w, LAG);
         if far.len() < FEWEST.count() {
@@ -167,7 +176,7 @@ impl Noise {
         let bent = positive.max(far.len() as f64 - positive) > BENT.get() * far.len() as f64;
         let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
         let deviation = lower_quartile_absolute(far.iter().copied()).min(along) / LOWER_QUARTILE;
-        let deviation = deviation.max(slow_deviation(grid, &w, deviation));
+        let deviation = deviation.max(slow(grid, &w, deviation));
         let nearest = median_absolute(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
         // Depth is stored in steps; no estimate is finer than rounding to f32 of the coordinates.
         let deviation = deviation.max(1e-6 * median_absolute(w.iter().copied().filter(|w| *w > 0.0)));

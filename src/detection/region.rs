@@ -53,7 +53,7 @@ pub(crate) fn detect_in_mask(
     let pixel = camera.pixel_size();
     let side = side_of_cells(camera.size(), pixel);
     let (mut grid, [left, top]) = cells_around(camera, depth, mask, pixel, side);
-    let Some(noise) = Noise::estimate(&mut grid) else { return Ok(None) };
+    let Some(noise) = Noise::of_body(&mut grid) else { return Ok(None) };
     let effort = Effort::new(stopped);
     let planes = planes::find_planes(&grid, &noise, &effort);
     let grid = &grid;

@@ -132,7 +132,7 @@ pub(super) fn search(
     effort: &Effort<'_>,
 ) -> Result<Searched> {
     let cancelled = || cancelled_if(effort.ask());
-    let Some(noise) = Noise::estimate(grid) else {
+    let Some(noise) = Noise::of_scene(grid) else {
         return Ok(Searched { cylinders: Vec::new(), shift: None, independent: false });
     };
     cancelled()?;

@@ -261,7 +261,7 @@ fn the_edge_of_what_hides_a_body_is_no_limb_of_it() {
         });
     };
     let mut grid = Grid::new(SIZE, pixel, side_of_cells(SIZE, pixel), &read_points);
-    let noise = noise::Noise::estimate(&mut grid).unwrap();
+    let noise = noise::Noise::of_scene(&mut grid).unwrap();
     let open = grid.cells.iter().map(grid::Cell::measured).collect();
     let edges = ImageEdges::default();
     let pixel_of = |p: &Vector2<f64>| {
