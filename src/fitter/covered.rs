@@ -6,7 +6,7 @@
 
 use super::view::View;
 use crate::geometry::Cylinder;
-use crate::limb_location::Outline;
+use crate::limb_location::{Outline, may_be_covered};
 use crate::memory::List;
 use crate::noise::NoiseModel;
 use crate::observations::pixel_at;
@@ -32,6 +32,9 @@ impl View {
         let (camera, depth, mask) = (self.camera()?, self.depth()?, self.body()?);
         let noise = noise.in_image(camera.size());
         let rough = elongated(self.mean_and_covariance()?)?;
+        if !may_be_covered(mask, depth, &noise) {
+            return None;
+        }
         let covered = Outline::new(mask, Some(depth), camera, &noise)?.covered_side(camera, &rough);
         if covered.is_empty() {
             return None;

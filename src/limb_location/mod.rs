@@ -61,7 +61,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
 pub use again::{Appearance, locate_limbs_again};
 pub use detected::edges_on_limbs;
 pub use grids::locate_limbs;
-pub use region::{Outline, Side, axial_range};
+pub use region::{Outline, Side, axial_range, may_be_covered};
 
 use crate::camera::Camera;
 use crate::geometry::{Cylinder, LimbFrame, across};

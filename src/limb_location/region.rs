@@ -205,14 +205,15 @@ impl<'a> Outline<'a> {
     /// it covers no side, or both.
     #[must_use]
     pub fn covered_side(&self, camera: &Camera, rough: &Cylinder) -> List<(usize, usize)> {
+        let is_covered = |at| self.depth.is_some_and(|depth| covered(self.mask, depth, at, &self.noise));
         let told = self.axis_in_image(camera, rough).zip(self.sides(camera, rough));
         let outward = told.and_then(|(along, [first, second])| {
             let normal = Vector2::new(-along.y, along.x);
             (first.cut != second.cut).then_some(if first.cut { -normal } else { normal })
         });
-        let Some((outward, depth)) = outward.zip(self.depth) else { return List::new() };
+        let Some(outward) = outward else { return List::new() };
         let on_side = self.pixels.iter().filter(|pixel| (pixel.position - self.center).dot(&outward) > 0.0);
-        on_side.map(|pixel| pixel.at).filter(|&at| covered(self.mask, depth, at, &self.noise)).collect()
+        on_side.map(|pixel| pixel.at).filter(|&at| is_covered(at)).collect()
     }
 
     /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
@@ -254,6 +255,14 @@ fn seen_part(
     let (begin, end) = longest?;
     let hidden = [begin, all.len() - 1 - end].map(|count| count >= LEAST_POSITIONS.count());
     hidden.contains(&true).then(|| ([all[begin].0, all[end].0], hidden))
+}
+
+/// Whether something in front may cover a side of a mask; of most it covers nothing. A side is cut where nearly all of it is covered, so that
+/// every few pixels of the outline tell.
+#[must_use]
+pub fn may_be_covered(mask: &Mask, depth: &DepthImage, noise: &ImageNoise) -> bool {
+    let some = mask.outline().iter().step_by(LEAST_POSITIONS.count().div_ceil(2));
+    some.copied().any(|at| covered(mask, depth, at, noise))
 }
 
 /// Whether something in front of a pixel at the edge of a mask covers what lies beyond it: the depth there is nearer
