@@ -30,6 +30,9 @@ constants! {
 
     /// The largest slow error of a surface, in distances: the rest is shape.
     MOST_SLOW = 0.005, "";
+
+    /// Waves bend to both sides alike: where a larger part of the image bends to one side, that is shape.
+    BOTH_WAYS = 0.7, "";
 }
 
 /// How far the cells of a second difference are apart that shows errors which wander slowly: about the width of a body.
@@ -138,21 +141,27 @@ fn least_along(grid: &Grid, w: &[f64]) -> f64 {
     least
 }
 
+/// The part of the second differences that have the sign which most have.
+fn part_of_one_sign(differences: &[f64]) -> f64 {
+    let positive = differences.iter().filter(|difference| **difference > 0.0).count() as f64;
+    let count = differences.len() as f64;
+    positive.max(count - positive) / count
+}
+
 /// The standard deviation of errors that are alike for neighbours but differ over the width of a body, as those of networks and
-/// filters; 0 where the second differences do not grow with the distance as those of such errors do. Without them what is a wave would
-/// be shape, and end a body.
+/// filters; 0 where the second differences do not grow with the distance as those of such errors do, or most bend to one side, as a
+/// surface does. Were these errors not noise, each wave would be a surface of its own and end a body.
 fn slow_deviation(grid: &Grid, w: &[f64], deviation: f64) -> f64 {
-    let at = |lag: usize| {
-        let found = differences(grid, w, lag);
-        if found.len() < FEWEST.count() {
-            return 0.0;
-        }
-        lower_quartile_absolute(found.iter().copied()) / LOWER_QUARTILE
-    };
-    if at(2 * LAG) <= WANDERS.get() * deviation {
+    let scale = |found: &[f64]| lower_quartile_absolute(found.iter().copied()) / LOWER_QUARTILE;
+    let near = differences(grid, w, 2 * LAG);
+    if near.len() < FEWEST.count() || scale(&near) <= WANDERS.get() * deviation {
         return 0.0;
     }
-    at(SLOW).min(MOST_SLOW.get() * median_absolute(w.iter().copied().filter(|w| *w > 0.0)))
+    let far = differences(grid, w, SLOW);
+    if far.len() < FEWEST.count() || part_of_one_sign(&far) > BOTH_WAYS.get() {
+        return 0.0;
+    }
+    scale(&far).min(MOST_SLOW.get() * median_absolute(w.iter().copied().filter(|w| *w > 0.0)))
 }
 
 impl Noise {
@@ -172,9 +181,7 @@ impl Noise {
         if far.len() < FEWEST.count() {
             return None;
         }
-        let positive = far.iter().filter(|difference| **difference > 0.0).count() as f64;
-        let bent = positive.max(far.len() as f64 - positive) > BENT.get() * far.len() as f64;
-        let along = if bent { least_along(grid, &w) } else { f64::INFINITY };
+        let along = if part_of_one_sign(&far) > BENT.get() { least_along(grid, &w) } else { f64::INFINITY };
         let deviation = lower_quartile_absolute(far.iter().copied()).min(along) / LOWER_QUARTILE;
         let deviation = deviation.max(slow(grid, &w, deviation));
         let nearest = median_absolute(differences(grid, &w, 1).iter().copied()) * DEVIATION_OF_MEDIAN;
@@ -204,6 +211,42 @@ mod tests {
     use super::*;
     use crate::detection::grid::Cell;
     use nalgebra::Vector3;
+
+    /// Cells of 3 pixels, 570 to a right angle, by their 1/z at a place of the image.
+    fn seen(w: impl Fn(f64, f64) -> f64) -> Grid {
+        let (columns, rows, spacing) = (213, 160, 3.0 / 570.0);
+        let cell = |k: usize| {
+            let x = spacing * ((k % columns) as f64 - 106.0);
+            let y = spacing * ((k / columns) as f64 - 80.0);
+            let w = w(x, y) * (1.0 + 3e-4 * (((k * 7919) % 101) as f64 / 50.0 - 1.0));
+            Cell { x, y, w, point: Vector3::zeros(), sigma: 0.0, fill: 1.0 }
+        };
+        let cells: Vec<Cell> = (0..columns * rows).map(cell).collect();
+        let rays = [|cell: &Cell| cell.x, |cell: &Cell| cell.y].map(|of| cells.iter().map(of).collect());
+        Grid { columns, rows, side: 3, spacing, cells, rays, bounds: Default::default(), inner: Vec::new() }
+    }
+
+    #[test]
+    fn waves_are_noise_and_a_tank_aslant_is_shape() {
+        let both = |w: &dyn Fn(f64, f64) -> f64| {
+            [Noise::of_scene, Noise::of_body].map(|noise| noise(&mut seen(w)).unwrap().deviation)
+        };
+        // 0.3 % of the distance over 60 pixels.
+        let [scene, body] =
+            both(&|x, y| 1.0 + 0.003 * ((60.0 * x).sin() * (55.0 * y).cos() + (40.0 * x - 50.0 * y).sin()));
+        assert!(scene > 3.0 * body && scene < 0.006, "{scene} {body}");
+        // A radius of 0.3 at 0.8, before a wall and filling the image.
+        for wall in [1.0, f64::INFINITY] {
+            let [scene, body] = both(&|x, y| {
+                let across = 0.5 * x + 0.75_f64.sqrt() * y;
+                let (a, b) = (1.0 + across * across, 1.1);
+                let square: f64 = b * b - a * (b * b - 0.09);
+                let z = if square > 0.0 { (b - square.sqrt()) / a } else { wall.min(3.0) };
+                1.0 / z
+            });
+            assert!(scene < 1.5 * body, "{scene} {body} before {wall}");
+        }
+    }
 
     #[test]
     fn differences_are_those_of_one_cell_after_the_other() {

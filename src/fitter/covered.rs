@@ -1,8 +1,8 @@
 //! Points next to something in front that covers one side of the body.
 //!
 //! Matching windows and filters mix the depth on both sides of an edge. Next to a limb that is seen a fit allows for it. What covers
-//! a limb bends the surface that is left towards itself, all along the axis alike, and of a part of a surface that makes another
-//! radius: of touching rods, half hidden, twice and more. So the points next to it have no part in the fit.
+//! a limb bends the surface that is left towards itself, all along the axis alike. Where only a part of a surface is seen, that changes
+//! the radius: rods that touch and are half hidden came out more than twice as wide. So the points next to it have no part in the fit.
 
 use super::view::View;
 use crate::geometry::Cylinder;
@@ -12,21 +12,21 @@ use crate::noise::NoiseModel;
 use crate::observations::pixel_at;
 use nalgebra::{Matrix3, Vector3};
 
-/// Pixels beside the edge of what is in front that are left out: half of a window of 5, a small one. Measured:
+/// Pixels of the depth beside the edge of what is in front that are left out: half of a window of 5, a small one. Measured:
 /// docs/measurements-neighbours.md, "Depth beside what covers a side".
 const MIXED: f64 = 2.0;
 
 /// Before a fit the axis is known where the points spread along it so many times as far as across it at least.
 const ELONGATED: f64 = 1.5;
 
-/// The part of the points that is left at least.
+/// At least this part of the points is left: of a strip that is all next to what is in front nothing else is known.
 const LEAST: f64 = 0.5;
 
 impl View {
     /// The view without its points next to something in front that covers one side of the body; `None` where there are none.
     pub fn without_points_beside_cover(&self, noise: &NoiseModel) -> Option<Self> {
-        // A region of a detector ends where the surface does.
-        if self.is_body {
+        // A region of a detector ends where the surface does, and so do points.
+        if self.is_body || self.mask_of_points {
             return None;
         }
         let (camera, depth, mask) = (self.camera()?, self.depth()?, self.body()?);
@@ -42,7 +42,7 @@ impl View {
         let (width, height) = (mask.width(), mask.height());
         let mut mixed = List::filled(false, width * height);
         // The pixel at the edge is one of them.
-        let reach = (MIXED * noise.pixel - 1.0).round().max(0.0) as usize;
+        let reach = (MIXED * self.frame.depth_pixel() - 1.0).round().max(0.0) as usize;
         for (x, y) in covered {
             for row in y.saturating_sub(reach)..=(y + reach).min(height - 1) {
                 let columns = x.saturating_sub(reach)..=(x + reach).min(width - 1);

@@ -202,18 +202,33 @@ impl<'a> Outline<'a> {
     }
 
     /// The pixels of the outline beyond which something in front covers one side along the axis of a rough cylinder; none where
-    /// it covers no side, or both.
+    /// it covers no side nearly all along, or both.
     #[must_use]
     pub fn covered_side(&self, camera: &Camera, rough: &Cylinder) -> List<(usize, usize)> {
-        let is_covered = |at| self.depth.is_some_and(|depth| covered(self.mask, depth, at, &self.noise));
-        let told = self.axis_in_image(camera, rough).zip(self.sides(camera, rough));
-        let outward = told.and_then(|(along, [first, second])| {
-            let normal = Vector2::new(-along.y, along.x);
-            (first.cut != second.cut).then_some(if first.cut { -normal } else { normal })
-        });
-        let Some(outward) = outward else { return List::new() };
-        let on_side = self.pixels.iter().filter(|pixel| (pixel.position - self.center).dot(&outward) > 0.0);
-        on_side.map(|pixel| pixel.at).filter(|&at| is_covered(at)).collect()
+        let Some(along) = self.axis_in_image(camera, rough) else { return List::new() };
+        let normal = Vector2::new(-along.y, along.x);
+        let from_center = |pixel: &OutlinePixel| pixel.position - self.center;
+        let [low, high] = min_max_of(self.pixels.iter().map(|pixel| from_center(pixel).dot(&along)));
+        let margin = MARGIN.get() * (high - low);
+        let between = low + margin..=high - margin;
+        // By side the pixels that are covered, and how many are and are not between the ends.
+        let mut sides = [(List::new(), [0; 2]), (List::new(), [0; 2])];
+        for pixel in &self.pixels {
+            let (pixels, counts) = &mut sides[usize::from(from_center(pixel).dot(&normal) > 0.0)];
+            let is_covered = self.depth.is_some_and(|depth| covered(self.mask, depth, pixel.at, &self.noise));
+            if is_covered {
+                pixels.push(pixel.at);
+            }
+            counts[usize::from(is_covered)] += usize::from(between.contains(&from_center(pixel).dot(&along)));
+        }
+        let least = LEAST_POSITIONS.count();
+        let is_covered = |(_, [open, covered]): &(List<_>, [usize; 2])| *covered >= least && *open < least;
+        let [first, second] = sides;
+        match (is_covered(&first), is_covered(&second)) {
+            (true, false) => first.0,
+            (false, true) => second.0,
+            _ => List::new(),
+        }
     }
 
     /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
@@ -257,11 +272,11 @@ fn seen_part(
     hidden.contains(&true).then(|| ([all[begin].0, all[end].0], hidden))
 }
 
-/// Whether something in front may cover a side of a mask; of most it covers nothing. A side is cut where nearly all of it is covered, so that
-/// every few pixels of the outline tell.
+/// Whether something in front may cover a side of a mask; of most it covers nothing. Where it covers nearly all of a side, every few pixels of
+/// the outline tell: an odd number, as most rows have one pixel of either side.
 #[must_use]
 pub fn may_be_covered(mask: &Mask, depth: &DepthImage, noise: &ImageNoise) -> bool {
-    let some = mask.outline().iter().step_by(LEAST_POSITIONS.count().div_ceil(2));
+    let some = mask.outline().iter().step_by(LEAST_POSITIONS.count() / 2 | 1);
     some.copied().any(|at| covered(mask, depth, at, noise))
 }
 
