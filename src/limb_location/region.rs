@@ -276,7 +276,7 @@ fn seen_part(
 /// the outline tell: an odd number, as most rows have one pixel of either side.
 #[must_use]
 pub fn may_be_covered(mask: &Mask, depth: &DepthImage, noise: &ImageNoise) -> bool {
-    let some = mask.outline().iter().step_by(LEAST_POSITIONS.count() / 2 | 1);
+    let some = mask.outline().iter().step_by((LEAST_POSITIONS.count() / 2) | 1);
     some.copied().any(|at| covered(mask, depth, at, noise))
 }
 
