@@ -27,7 +27,7 @@ const KNOWN: f64 = 0.05;
 pub(super) struct Separated {
     /// The view with the points and the pixels of the body alone; `None` where all of them are, or nobody can tell.
     pub body: Option<View>,
-    /// The cylinder of the two segments of a view that stays what it is, where it was asked for.
+    /// The cylinder of the two segments of a view whose mask holds the body alone, where it was asked for.
     pub of_limbs: Option<Cylinder>,
     /// Whether all of the mask is the body of the start model, on which the points lie.
     pub whole: bool,

@@ -13,8 +13,8 @@ use crate::observations::{
 };
 use nalgebra::Vector2;
 
-/// Bytes a point of a copy: the points as they were pushed, and of those in a mask that holds more than the body, with their
-/// neighbours.
+/// Bytes a point of a copy: the points as they were pushed, and of those in a mask that holds more than the body, or beside
+/// what covers it, with their neighbours.
 const BYTES_OF_COPY: usize = 160;
 
 bitflags::bitflags! {

@@ -123,7 +123,7 @@ pub struct Fitter {
 struct MadeWith {
     /// The constraints of the cylinder beside the points.
     constraints: Constraints,
-    /// By view: what was fitted of it, where its mask holds more than the body.
+    /// By view: what was fitted of it, where that is not all that was pushed.
     bodies: List<Option<View>>,
 }
 
@@ -291,7 +291,7 @@ impl Fitter {
         self.data_of(self.made_with.as_ref().map_or(&[], |made_with| &made_with.bodies))
     }
 
-    /// The data of all views, of some only the body.
+    /// The data of all views, of some only what was fitted of them.
     fn data_of<'a>(&'a self, bodies: &'a [Option<View>]) -> Result<Data<'a>> {
         Data::new(&self.options, self.views_or(bodies), self.start.as_ref())
     }
