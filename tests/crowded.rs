@@ -87,7 +87,7 @@ fn depth_beside_what_hides_a_part_of_a_rod_does_not_widen_it() {
     const RADIUS: f64 = 0.011;
     const WINDOW: usize = 5;
     // Disparity in pixels of a point at the distance 1, and its noise before matching windows average it.
-    const BASELINE: f64 = 42.75;
+    const DISPARITY: f64 = 42.75;
     const NOISE: f64 = 0.25;
     const STEP: f64 = 2.6;
     let (width, height) = (640, 480);
@@ -121,20 +121,20 @@ fn depth_beside_what_hides_a_part_of_a_rod_does_not_widen_it() {
         for seed in 0..4 {
             let mut noise = Noise::new(seed);
             let disparities: Vec<f64> =
-                seen.iter().map(|(depth, _)| BASELINE / depth + NOISE * noise.normal()).collect();
+                seen.iter().map(|(depth, _)| DISPARITY / depth + NOISE * noise.normal()).collect();
             let half = WINDOW / 2;
             let matched = |k: usize| {
                 let (column, row) = (k % width, k / width);
                 let columns = column.saturating_sub(half)..(column + half + 1).min(width);
                 let rows = row.saturating_sub(half)..(row + half + 1).min(height);
                 // Beyond a larger step another surface is matched.
-                let here = BASELINE / seen[k].0;
+                let here = DISPARITY / seen[k].0;
                 let all = rows.flat_map(|row| columns.clone().map(move |column| row * width + column));
                 let of_surface: Vec<f64> = all
-                    .filter(|&k| (BASELINE / seen[k].0 - here).abs() < STEP)
+                    .filter(|&k| (DISPARITY / seen[k].0 - here).abs() < STEP)
                     .map(|k| disparities[k])
                     .collect();
-                (BASELINE * of_surface.len() as f64 / of_surface.iter().sum::<f64>()) as f32
+                (DISPARITY * of_surface.len() as f64 / of_surface.iter().sum::<f64>()) as f32
             };
             let depth: Vec<f32> = (0..width * height).map(matched).collect();
             let mut fitter = Fitter::new();

@@ -5,7 +5,7 @@
 //! the radius: rods that touch and are half hidden came out more than twice as wide. So the points next to it have no part in the fit.
 
 use super::view::View;
-use crate::geometry::Cylinder;
+use crate::geometry::Line;
 use crate::limb_location::{Outline, may_be_covered};
 use crate::memory::List;
 use crate::noise::NoiseModel;
@@ -31,11 +31,11 @@ impl View {
         }
         let (camera, depth, mask) = (self.camera()?, self.depth()?, self.body()?);
         let noise = noise.in_image(camera.size());
-        let rough = elongated(self.mean_and_covariance()?)?;
+        let axis = axis_of(self.mean_and_covariance()?)?;
         if !may_be_covered(mask, depth, &noise) {
             return None;
         }
-        let covered = Outline::new(mask, Some(depth), camera, &noise)?.covered_side(camera, &rough);
+        let covered = Outline::new(mask, Some(depth), camera, &noise)?.covered_side(camera, &axis);
         if covered.is_empty() {
             return None;
         }
@@ -59,12 +59,12 @@ impl View {
     }
 }
 
-/// A cylinder along which points of some mean and covariance spread; `None` where they spread as far across it.
-fn elongated((mean, covariance): (Vector3<f64>, Matrix3<f64>)) -> Option<Cylinder> {
+/// The line along which points of some mean and covariance spread; `None` where they spread as far across it, or not at all.
+fn axis_of((mean, covariance): (Vector3<f64>, Matrix3<f64>)) -> Option<Line> {
     let principal = covariance.symmetric_eigen();
     let longest = principal.eigenvalues.imax();
     let across =
         (0..3).filter(|&k| k != longest).map(|k| principal.eigenvalues[k]).fold(0.0, f64::max).sqrt();
-    let is_long = principal.eigenvalues[longest].sqrt() >= ELONGATED * across;
-    is_long.then(|| Cylinder::new(mean, principal.eigenvectors.column(longest).into_owned(), across).ok())?
+    let is_long = across > 0.0 && principal.eigenvalues[longest].sqrt() >= ELONGATED * across;
+    is_long.then(|| Line::new(mean, principal.eigenvectors.column(longest).into_owned()))
 }

@@ -3,7 +3,7 @@
 
 use super::contact::Beyond;
 use crate::camera::Camera;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, Line};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask, pixel_at};
@@ -124,15 +124,13 @@ impl<'a> Outline<'a> {
     #[must_use]
     pub fn sides(&self, camera: &Camera, rough: &Cylinder) -> Option<[Side; 2]> {
         let center = self.center;
-        let along = self.axis_in_image(camera, rough)?;
+        let along = self.axis_in_image(camera, &rough.axis)?;
         let normal = Vector2::new(-along.y, along.x);
         let coordinates = |pixel: &OutlinePixel| {
             let from_center = pixel.position - center;
             (from_center.dot(&along), from_center.dot(&normal))
         };
-        let [low, high] = min_max_of(self.pixels.iter().map(|pixel| coordinates(pixel).0));
-        let margin = MARGIN.get() * (high - low);
-        let (low, high) = (low + margin, high - margin);
+        let [low, high] = self.between_ends(&along);
         let count = (high - low).floor();
         if count.is_nan() || count < LEAST_POSITIONS.count() as f64 {
             return None;
@@ -201,16 +199,14 @@ impl<'a> Outline<'a> {
         Some(sides)
     }
 
-    /// The pixels of the outline beyond which something in front covers one side along the axis of a rough cylinder; none where
-    /// it covers no side nearly all along, or both.
+    /// The pixels of the outline beyond which something in front covers one side along a rough axis; none where it covers no side
+    /// nearly all along, or both.
     #[must_use]
-    pub fn covered_side(&self, camera: &Camera, rough: &Cylinder) -> List<(usize, usize)> {
-        let Some(along) = self.axis_in_image(camera, rough) else { return List::new() };
+    pub fn covered_side(&self, camera: &Camera, axis: &Line) -> List<(usize, usize)> {
+        let Some(along) = self.axis_in_image(camera, axis) else { return List::new() };
         let normal = Vector2::new(-along.y, along.x);
         let from_center = |pixel: &OutlinePixel| pixel.position - self.center;
-        let [low, high] = min_max_of(self.pixels.iter().map(|pixel| from_center(pixel).dot(&along)));
-        let margin = MARGIN.get() * (high - low);
-        let between = low + margin..=high - margin;
+        let [low, high] = self.between_ends(&along);
         // By side the pixels that are covered, and how many are and are not between the ends.
         let mut sides = [(List::new(), [0; 2]), (List::new(), [0; 2])];
         for pixel in &self.pixels {
@@ -219,7 +215,8 @@ impl<'a> Outline<'a> {
             if is_covered {
                 pixels.push(pixel.at);
             }
-            counts[usize::from(is_covered)] += usize::from(between.contains(&from_center(pixel).dot(&along)));
+            counts[usize::from(is_covered)] +=
+                usize::from((low..=high).contains(&from_center(pixel).dot(&along)));
         }
         let least = LEAST_POSITIONS.count();
         let is_covered = |(_, [open, covered]): &(List<_>, [usize; 2])| *covered >= least && *open < least;
@@ -231,12 +228,20 @@ impl<'a> Outline<'a> {
         }
     }
 
+    /// The positions along a direction in the image, from the middle, between which the region is without its ends.
+    fn between_ends(&self, along: &Vector2<f64>) -> [f64; 2] {
+        let positions = self.pixels.iter().map(|pixel| (pixel.position - self.center).dot(along));
+        let [low, high] = min_max_of(positions);
+        let margin = MARGIN.get() * (high - low);
+        [low + margin, high - margin]
+    }
+
     /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
-    fn axis_in_image(&self, camera: &Camera, rough: &Cylinder) -> Option<Vector2<f64>> {
+    fn axis_in_image(&self, camera: &Camera, axis: &Line) -> Option<Vector2<f64>> {
         let ray = camera.ideal_ray(&self.center);
-        let across = ray - rough.axis.direction * ray.dot(&rough.axis.direction);
-        let nearest = ray * (rough.axis.nearest_to_origin().dot(&across) / across.norm_squared());
-        let step = rough.axis.direction * (1e-3 * nearest.norm());
+        let across = ray - axis.direction * ray.dot(&axis.direction);
+        let nearest = ray * (axis.nearest_to_origin().dot(&across) / across.norm_squared());
+        let step = axis.direction * (1e-3 * nearest.norm());
         let difference = camera.ideal_pixel(&(nearest + step))? - camera.ideal_pixel(&(nearest - step))?;
         difference.try_normalize(0.0)
     }
