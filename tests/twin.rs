@@ -190,12 +190,32 @@ fn checksum(bytes: impl Iterator<Item = u8>) -> u64 {
 }
 
 #[test]
+fn alike_bodies_touch_and_never_overlap() {
+    for seed in 0..40 {
+        let cylinders = random_scene(Kind::Alike, seed).unwrap().cylinders;
+        let radius = cylinders[0].cylinder.radius;
+        let apart = |k: usize| {
+            let axes = cylinders.iter().map(|truth| truth.cylinder.axis);
+            let others = axes.enumerate().filter(|(other, _)| *other != k);
+            others
+                .map(|(_, axis)| cylinders[k].cylinder.axis.distance_to_line(&axis))
+                .fold(f64::INFINITY, f64::min)
+        };
+        for k in 0..cylinders.len() {
+            let gap = apart(k) / radius - 2.0;
+            assert!((-1e-9..0.4).contains(&gap), "{seed}: {gap}");
+        }
+    }
+}
+
+#[test]
 fn frames_never_change() {
     let sums = [
         (Kind::Table, DepthSensor::StructuredLight(StructuredLight::default())),
         (Kind::Pipes, DepthSensor::TimeOfFlight(TimeOfFlight::default())),
         (Kind::Single, DepthSensor::ActiveStereo(ActiveStereo::default())),
         (Kind::NoCylinders, DepthSensor::Exact),
+        (Kind::Alike, DepthSensor::Exact),
     ]
     .map(|(kind, sensor)| {
         let picture = PictureOptions { gamma: 2.2, ..PictureOptions::default() };
@@ -205,5 +225,14 @@ fn frames_never_change() {
         let labels = frame.labels.iter().flat_map(|label| label.to_le_bytes());
         checksum(frame.image.iter().copied().chain(depth).chain(labels))
     });
-    assert_eq!(sums, [1086396921322813189, 17112717579149680572, 6274761176693163350, 544333533049806689]);
+    assert_eq!(
+        sums,
+        [
+            1086396921322813189,
+            17112717579149680572,
+            6274761176693163350,
+            544333533049806689,
+            15904920342636176916
+        ]
+    );
 }

@@ -59,6 +59,7 @@ pub fn constants() -> Vec<crate::constant::Constant> {
 }
 
 pub use again::{Appearance, locate_limbs_again};
+pub use contact::is_crowded;
 pub use detected::edges_on_limbs;
 pub use grids::locate_limbs;
 pub use region::{Outline, Side, axial_range, may_be_covered};

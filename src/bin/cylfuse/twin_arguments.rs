@@ -112,6 +112,8 @@ pub enum KindName {
     Table,
     /// Long pipes before a wall
     Pipes,
+    /// Alike bodies that touch, in piles and rows
+    Alike,
     /// Boxes, spheres, frustums and planes
     NoCylinders,
     /// One cylinder, with mask and edges
@@ -137,6 +139,7 @@ impl KindName {
         match self {
             KindName::Table => Kind::Table,
             KindName::Pipes => Kind::Pipes,
+            KindName::Alike => Kind::Alike,
             KindName::NoCylinders => Kind::NoCylinders,
             KindName::Single => Kind::Single,
         }
@@ -147,6 +150,7 @@ impl KindName {
         match self {
             KindName::Table => "table",
             KindName::Pipes => "pipes",
+            KindName::Alike => "alike",
             KindName::NoCylinders => "no-cylinders",
             KindName::Single => "single",
         }

@@ -1,5 +1,6 @@
 //! Random scenes by a seed.
 
+mod alike;
 mod builder;
 mod no_cylinders;
 mod pipes;
@@ -17,6 +18,8 @@ pub enum Kind {
     Table,
     /// Long pipes before a wall, cut by the border, side by side, crossing.
     Pipes,
+    /// Alike bodies that touch: piles of pipes, rods in a row, crossed layers, cans side by side.
+    Alike,
     /// Boxes, spheres, frustums and planes, and no cylinder. What lies there follows from the seed modulo 5: boxes,
     /// spheres, frustums, planes, some of everything.
     NoCylinders,
@@ -33,6 +36,7 @@ pub fn random_scene(kind: Kind, seed: u64) -> Result<Scene> {
     match kind {
         Kind::Table => table::scene(&mut stream),
         Kind::Pipes => pipes::scene(&mut stream),
+        Kind::Alike => alike::scene(&mut stream),
         Kind::NoCylinders => no_cylinders::scene(&mut stream, seed),
         Kind::Single => single::scene(&mut stream),
     }

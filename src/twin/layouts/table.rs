@@ -134,7 +134,7 @@ fn leaning(room: &mut Builder, stream: &mut Stream) -> Result<()> {
 }
 
 /// The spin that turns the x axis of an upright body to an angle in the room.
-fn spin_of(turn: f64) -> f64 {
+pub fn spin_of(turn: f64) -> f64 {
     let (u, _) = crate::geometry::any_orthogonal(&Vector3::z());
     turn - libm::atan2(u.y, u.x)
 }
