@@ -6,7 +6,7 @@ use super::surface::Surface;
 use super::surroundings::Surroundings;
 use super::{End, EndSearch, EndSource, EndState, LastArc, MaskContent, border, extreme};
 use crate::observations::{Mask, ReducedImage};
-use crate::parts::{BodyEnd, EndSign};
+use crate::parts::{BodyEnd, EndSign, turn};
 use nalgebra::Vector2;
 
 /// What shows where a surface ends: the body, or what closes it.
@@ -26,7 +26,8 @@ impl Ending<'_> {
         let Self { silhouette, surroundings, .. } = self;
         let of_depth = told.and_then(|end| silhouette.of_depth(end, outward));
         let rim = told.is_some();
-        let Some(rough) = of_depth.or_else(|| silhouette.end(surroundings, outward)) else {
+        let of_mask = || silhouette.end(surroundings, outward).map(|end| self.within_turn(end, outward));
+        let Some(rough) = of_depth.or_else(of_mask) else {
             return End { rim, ..extreme(silhouette.extreme(outward), outward, surroundings) };
         };
         let inside = rough.inside.then(|| surroundings.state_inside(rough.position, outward)).flatten();
@@ -48,6 +49,17 @@ impl Ending<'_> {
             }
             None => End { rim, ..End::new(rough.position, Some(rough.deviation), state, EndSource::Mask) },
         }
+    }
+
+    /// The end of a region, which stops where the depth begins to turn to what is behind: anywhere up to where it is half way.
+    fn within_turn(&self, end: RoughEnd, outward: f64) -> RoughEnd {
+        let EndSearch { camera, depth, content, noise, .. } = *self.search;
+        let depth = depth.filter(|_| content == MaskContent::Region);
+        let turn = depth.and_then(|depth| {
+            turn(camera, depth, self.surroundings.cylinder, &noise, [end.position, outward])
+        });
+        let off = turn.map_or(0.0, |turn| (turn - end.position) / 3.0_f64.sqrt());
+        RoughEnd { deviation: end.deviation.hypot(off), ..end }
     }
 
     /// The arc of a rough end in the grey image. What the mask goes on over `beyond` the body is the cap or the inner wall.

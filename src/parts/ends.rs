@@ -1,6 +1,7 @@
 //! Where the body ends within a mask: by the depth beyond its surface, or by the far rim in the outline of the mask.
 
 use super::outline::Rims;
+use super::turn;
 use super::{
     BodyEnd, CAP_PART, CAP_PIXELS, CAP_SPREAD, DEPTH_ODDS, DEPTH_PIXELS, EndSign, FAR_RIM_PIXELS, LEAST_CAP,
     LEAST_RECESS, REACH, SHARED_PART, SURPLUS, Sight,
@@ -9,7 +10,7 @@ use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::noise::ImageNoise;
-use crate::observations::Mask;
+use crate::observations::{DepthImage, Mask};
 use crate::statistics::median_and_deviation;
 use nalgebra::Vector3;
 use std::cell::OnceCell;
@@ -17,6 +18,7 @@ use std::cell::OnceCell;
 /// What the ends of a body are looked for by.
 pub(super) struct EndSearch<'a> {
     pub camera: &'a Camera,
+    pub depth: &'a DepthImage,
     pub mask: &'a Mask,
     pub cylinder: &'a Cylinder,
     pub noise: &'a ImageNoise,
@@ -50,11 +52,27 @@ impl EndSearch<'_> {
     pub fn end(&self, beyond: &Beyond<'_>) -> Option<BodyEnd> {
         let pixel = pixel_length(self.camera, self.cylinder, beyond.inner.position)?;
         let of_depth = (against(beyond.votes) >= self.least)
-            .then(|| self.by_cap(beyond, pixel).unwrap_or_else(|| beyond.leaving(pixel)));
+            .then(|| self.by_cap(beyond, pixel).or_else(|| self.by_leaving(beyond, pixel)))
+            .flatten();
         match of_depth {
             Some(end) if end.deviation <= FAR_RIM_PIXELS.get() * pixel => Some(end),
             _ => self.by_far_rim(beyond, pixel).or(of_depth),
         }
+    }
+
+    /// The end where the depth turns from the surface to what is behind; `None` where the mask ends before it has.
+    fn by_leaving(&self, beyond: &Beyond<'_>, pixel: f64) -> Option<BodyEnd> {
+        let end = beyond.leaving(pixel);
+        let (inner, outward) = (beyond.inner.position, beyond.outward);
+        let Some(position) = turn(self.camera, self.depth, self.cylinder, self.noise, [inner, outward])
+        else {
+            return Some(end);
+        };
+        let past = beyond.sights.iter().filter(|sight| (sight.position - position) * outward <= 0.0).count();
+        let votes =
+            if outward > 0.0 { &beyond.votes[past..] } else { &beyond.votes[..beyond.votes.len() - past] };
+        let deviation = ((position - inner) / 12.0_f64.sqrt()).hypot(DEPTH_PIXELS.get() * pixel);
+        (against(votes) >= self.least).then_some(BodyEnd { position, deviation, ..end })
     }
 
     fn rims(&self) -> &Rims<'_> {

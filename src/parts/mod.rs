@@ -11,6 +11,7 @@ mod outline;
 mod profile;
 mod shoulder;
 mod sight;
+mod turn;
 
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
@@ -26,6 +27,7 @@ use shoulder::shoulder;
 pub(crate) use sight::extremes;
 use sight::sights;
 use std::cell::OnceCell;
+pub(crate) use turn::turn;
 
 constants! {
     /// About how many pixels of a mask are looked at.
@@ -80,7 +82,7 @@ const PER_STRETCH: usize = 4;
 /// The constants of the parts of a mask.
 #[must_use]
 pub fn constants() -> Vec<crate::constant::Constant> {
-    [CONSTANTS, collar::CONSTANTS, outline::CONSTANTS, shoulder::CONSTANTS].concat()
+    [CONSTANTS, collar::CONSTANTS, outline::CONSTANTS, shoulder::CONSTANTS, turn::CONSTANTS].concat()
 }
 
 /// What a point or pixel of a mask belongs to.
@@ -182,7 +184,7 @@ impl Parts {
         let near = sights[first].point.z.min(sights[last].point.z);
         let width = 2.0 * WIDTH_PART.get() * cylinder.radius * camera.focal_length() / near;
         let least = width * (BOUNDARIES.get() * noise.boundary) / (stride * stride) as f64;
-        let search = EndSearch { camera, mask, cylinder, noise, reach, least, rims: OnceCell::new() };
+        let search = EndSearch { camera, depth, mask, cylinder, noise, reach, least, rims: OnceCell::new() };
         let beyond = [
             Beyond { outward: -1.0, inner: &sights[first], sights: &sights[..first], votes: &votes[..first] },
             Beyond {
