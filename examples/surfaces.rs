@@ -145,7 +145,11 @@ fn kinds() -> Vec<Kind> {
             }
         }
     }
-    for (what, of_step) in [("a shaft with a step", 0.8), ("a collar of a third of the length", 1.3)] {
+    for (what, of_step) in [
+        ("a shaft with a step", 0.8),
+        ("a shaft with a step of 5 %", 0.95),
+        ("a collar of a third of the length", 1.3),
+    ] {
         let radius = move |_, z: f64, noise: &mut Noise| {
             let of_place = if z > 0.66 { of_step } else { 1.0 };
             of_place + 0.01 * noise.normal()

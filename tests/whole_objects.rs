@@ -555,3 +555,60 @@ fn a_scene_without_a_mask_shows_its_body() {
     let fit = fitter.fit().unwrap();
     assert!((fit.cylinder.radius / 0.03 - 1.0).abs() < 0.01, "{}", fit.cylinder.radius);
 }
+
+/// A shaft whose radius is 6 % smaller over the rest of its length, seen at a slant, with a mask of both parts, with the face between them
+/// or without it, and depth that ends where the surface is seen too flat. The axis was off by a degree in three of these, stated to a third,
+/// without a warning: the outline about the face hid the step, or what was known before the fit was too rough to show it.
+#[test]
+fn a_step_of_a_shaft_does_not_tip_the_axis() {
+    const HALF: f64 = 0.075;
+    const STEP: f64 = -0.0075;
+    let (width, height) = (640, 480);
+    let distortion = Distortion::None;
+    let intrinsics = Intrinsics { width, height, fx: 700.0, fy: 700.0, cx: 319.5, cy: 239.5, distortion };
+    let camera = Camera::new(intrinsics).unwrap();
+    let size = (width as usize, height as usize);
+    for (slant, face, flattest) in
+        [(-0.4_f64, false, 0.0), (-0.7, true, 0.6), (-0.5, true, 0.75), (0.4, true, 0.0)]
+    {
+        let direction = Vector3::new(slant.cos(), 0.1, slant.sin()).normalize();
+        let point = Vector3::new(0.0, 0.0, 0.35);
+        let [thick, thin] = [0.03, 0.0282].map(|radius| Cylinder::new(point, direction, radius).unwrap());
+        let mut noise = Noise::new(1);
+        let depth_at = |k: usize| {
+            let ray = camera.unproject(&Vector2::new((k % size.0) as f64, (k / size.0) as f64)).unwrap();
+            let on = |cylinder: &Cylinder, low: f64, high: f64| {
+                let along = |hit: &Vector3<f64>| direction.dot(&(hit - point));
+                cylinder.first_hit(&ray).filter(|hit| (low..high).contains(&along(hit)))
+            };
+            let at_step = ray * ((point + direction * STEP).dot(&direction) / ray.dot(&direction));
+            let on_face = face && thick.distance(&at_step) < 0.0 && thin.distance(&at_step) > 0.0;
+            let hits = [on(&thick, -HALF, STEP), on(&thin, STEP, HALF), on_face.then_some(at_step)];
+            hits.into_iter().flatten().map(|hit| hit.z).min_by(f64::total_cmp)
+        };
+        let depths: Vec<Option<f64>> = (0..size.0 * size.1).map(depth_at).collect();
+        let mask: Vec<u8> = depths.iter().map(|depth| u8::from(depth.is_some())).collect();
+        let measured = |k: usize| {
+            let is_flat = |z: &f64| {
+                let point =
+                    camera.unproject(&Vector2::new((k % size.0) as f64, (k / size.0) as f64)).unwrap() * *z;
+                let normal = (point - thick.axis.nearest_to(&point)).normalize();
+                normal.dot(&point.normalize()).abs() < flattest
+            };
+            if depths[k].as_ref().is_some_and(is_flat) {
+                0.0
+            } else {
+                (depths[k].unwrap_or(0.6) + 2e-4 * noise.normal()) as f32
+            }
+        };
+        let depth: Vec<f32> = (0..depths.len()).map(measured).collect();
+        let mut fitter = Fitter::new();
+        fitter.set_intrinsics(intrinsics).unwrap();
+        let depth = DepthView::from_f32(&depth, size, 1.0).unwrap();
+        let mask = MaskView::from_u8(&mask, size).unwrap();
+        fitter.push_depth(&depth, Some(&mask), &DepthRange::default()).unwrap();
+        let fit = fitter.fit().unwrap();
+        let tipped = fit.cylinder.axis.direction.dot(&direction).abs().min(1.0).acos().to_degrees();
+        assert!(tipped < 0.05, "{slant} {face} {flattest}: {tipped}°");
+    }
+}

@@ -34,7 +34,10 @@ impl Fitter {
                 self.fit_to_drawn(first, &[], run)
             }
             None => {
-                let first = unless_cancelled(self.fit_views(List::new(), run))?;
+                let first = match unless_cancelled(self.fit_views(List::new(), run))? {
+                    Ok(first) => Ok(self.fit_to_one_radius_in_masks(first, run)?),
+                    Err(error) => Err(error),
+                };
                 self.fit_to_body(first, run)
             }
         }

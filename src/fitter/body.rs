@@ -63,7 +63,7 @@ pub(super) fn separate(
 }
 
 /// The view with the body of a cylinder alone; `None` where all of it is, or too little.
-fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
+pub(super) fn body(view: &View, options: &Options, cylinder: &Cylinder) -> Option<View> {
     let (camera, mask) = (view.camera()?, view.mask.as_ref()?);
     let parts = view.parts(cylinder, &options.noise)?;
     if parts.all_body() {

@@ -41,6 +41,7 @@ mod scales;
 mod selection;
 mod silhouette;
 mod start;
+mod stepped;
 mod subsample;
 mod taper;
 mod two_planes;

@@ -53,12 +53,13 @@ impl Fitter {
         if is_told || first.made_with.constraints.has_lines() || first.result.points_used < FEWEST {
             return Ok(first);
         }
-        match searched {
+        let fit = match searched {
             Some(view) if may_hold_more(view, &first) => {
-                Ok(self.fit_among_surfaces(view, Some(&first), run)?.unwrap_or(first))
+                self.fit_among_surfaces(view, Some(&first), run)?.unwrap_or(first)
             }
-            _ => self.fit_to_surface(first, run),
-        }
+            _ => self.fit_to_surface(first, run)?,
+        };
+        self.fit_to_one_radius(fit, run)
     }
 
     /// The same for points of a view that may lie on several surfaces; `None` where neither a first fit nor a body is there.

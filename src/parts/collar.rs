@@ -10,6 +10,7 @@ use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
 use crate::observations::Mask;
+use crate::statistics::median;
 use nalgebra::Vector2;
 use std::ops::Range;
 
@@ -23,7 +24,7 @@ constants! {
 
     /// The step of the depth at least, where the sides show it as well, and at an end where they do not contradict it.
     DEPTH_RATIO = 4.0, "σ";
-    ALONE_RATIO = 13.0, "σ";
+    pub(super) ALONE_RATIO = 13.0, "σ";
 
     /// The step of the sides at least, and that of both together.
     SIDES_RATIO = 4.0, "σ";
@@ -45,7 +46,7 @@ constants! {
     MARGIN = 0.083, "radius";
 
     /// Standard deviation of a slice of the depth at least, and of one of a side.
-    DEPTH_FLOOR = 0.002, "radius";
+    pub(super) DEPTH_FLOOR = 0.002, "radius";
     SIDES_FLOOR = 0.2, "px";
 
     /// The longest collar, as a part of what is seen along the axis.
@@ -81,7 +82,7 @@ pub(super) fn collars(
     let radius = cylinder.radius;
     let depth = depth_between(ends, sights, cylinder);
     let slices = Slices::new(camera, cylinder, apart, &depth)?;
-    let depth = Profile::new(&slices, &depth, LEAST_SIGHTS, DEPTH_FLOOR.get() * radius)?;
+    let depth = Profile::new(&slices, &depth, (LEAST_SIGHTS, median), DEPTH_FLOOR.get() * radius)?;
     let stretches = depth.raised(longest(&slices), least_step(radius), margin(&slices, radius));
     let narrower = depth.clone().negated();
     let lowered = lowered_at_end(&slices, [&depth, &narrower], &stretches, radius);
@@ -150,7 +151,8 @@ impl<'a> Steps<'a> {
         let axis = &cylinder.axis;
         let middle = axis.at(slices.middle());
         let floor = SIDES_FLOOR.get() * camera.pixel_size() * middle.z;
-        let sides = sides_of(camera, mask, cylinder).map(|side| Profile::new(&slices, &side, 1, floor));
+        let sides =
+            sides_of(camera, mask, cylinder).map(|side| Profile::new(&slices, &side, (1, outermost), floor));
         let lean =
             axis.direction.dot(&middle).abs() / axis.direction.cross(&middle).norm().max(f64::MIN_POSITIVE);
         Self { cylinder, slices, depth, sides, lean }
@@ -206,7 +208,7 @@ impl<'a> Steps<'a> {
 }
 
 /// The size and the ratio of a step of the depth at least.
-fn least_step(radius: f64) -> [f64; 2] {
+pub(super) fn least_step(radius: f64) -> [f64; 2] {
     [LEAST_STEP.get() * radius, DEPTH_RATIO.get()]
 }
 
@@ -255,8 +257,13 @@ fn step_of_sides(sides: &[Profile], slices: &Slices, stretch: &Range<usize>, nea
     mean(Profile::step, &clearest)
 }
 
+/// The outline of a mask inside of its sides is that of a face or a hole.
+fn outermost(beyond: &mut [f64]) -> f64 {
+    beyond.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// Whether what is so far from the surface belongs to the body or a collar.
-fn is_near(distance: f64, radius: f64) -> bool {
+pub(super) fn is_near(distance: f64, radius: f64) -> bool {
     (-NEAR.get() * radius..=WIDEST.get() * radius).contains(&distance)
 }
 

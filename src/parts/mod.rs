@@ -11,6 +11,7 @@ mod outline;
 mod profile;
 mod shoulder;
 mod sight;
+mod steps;
 mod turn;
 
 use crate::camera::Camera;
@@ -27,6 +28,7 @@ use shoulder::shoulder;
 pub(crate) use sight::extremes;
 use sight::sights;
 use std::cell::OnceCell;
+pub(crate) use steps::other_radius;
 pub(crate) use turn::turn;
 
 constants! {

@@ -4,7 +4,7 @@ use super::ends::pixel_length;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
 use crate::memory::List;
-use crate::statistics::{at_both_ends, independent_part, median};
+use crate::statistics::{at_both_ends, independent_part};
 use std::ops::Range;
 
 /// How many slices are as long as the radius.
@@ -38,16 +38,20 @@ impl Slices {
         apart: usize,
         depth: &[[f64; 2]],
     ) -> Option<Self> {
-        let alongs: List<f64> = depth.iter().map(|[along, _]| *along).collect();
-        if alongs.len() < LEAST_SIGHTS * LEAST_SLICES {
-            return None;
-        }
-        let [low, high] = at_both_ends(&alongs, (TRIM * alongs.len() as f64) as usize);
+        let [low, high] = ends_of(depth)?;
         let pixel = pixel_length(camera, cylinder, f64::midpoint(low, high))?;
-        let shortest = LEAST_PIXELS.max(apart as f64) * pixel;
-        let count = ((high - low) / (cylinder.radius / SLICES_OF_RADIUS).max(shortest)) as usize;
+        Self::between([low, high], cylinder.radius, LEAST_PIXELS.max(apart as f64) * pixel, depth.len())
+    }
+
+    /// The same of points alone.
+    pub(super) fn of_points(cylinder: &Cylinder, points: &[[f64; 2]]) -> Option<Self> {
+        Self::between(ends_of(points)?, cylinder.radius, 0.0, points.len())
+    }
+
+    fn between([low, high]: [f64; 2], radius: f64, shortest: f64, seen: usize) -> Option<Self> {
+        let count = ((high - low) / (radius / SLICES_OF_RADIUS).max(shortest)) as usize;
         // More slices than the sights can fill are none.
-        let most = alongs.len() as f64 / (LEAST_PART * LEAST_SIGHTS as f64);
+        let most = seen as f64 / (LEAST_PART * LEAST_SIGHTS as f64);
         let enough = count >= LEAST_SLICES && count as f64 <= most;
         enough.then(|| Self { low, length: (high - low) / count as f64, count })
     }
@@ -73,6 +77,13 @@ impl Slices {
     }
 }
 
+/// Where along the axis what is seen begins and ends; `None` for too little.
+fn ends_of(seen: &[[f64; 2]]) -> Option<[f64; 2]> {
+    let alongs: List<f64> = seen.iter().map(|[along, _]| *along).collect();
+    let enough = alongs.len() >= LEAST_SIGHTS * LEAST_SLICES;
+    enough.then(|| at_both_ends(&alongs, (TRIM * alongs.len() as f64) as usize))
+}
+
 /// What is seen along the axis, off a line of it.
 #[derive(Clone)]
 pub(super) struct Profile {
@@ -89,8 +100,13 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    /// The medians of the slices that hold enough; `None` where too few do.
-    pub(super) fn new(slices: &Slices, seen: &[[f64; 2]], least: usize, floor: f64) -> Option<Self> {
+    /// What `of` makes of the slices that hold enough; `None` where too few do.
+    pub(super) fn new(
+        slices: &Slices,
+        seen: &[[f64; 2]],
+        (least, of): (usize, fn(&mut [f64]) -> f64),
+        floor: f64,
+    ) -> Option<Self> {
         let mut values: List<List<f64>> = (0..slices.count).map(|_| List::new()).collect();
         for [along, value] in seen {
             let slice = (along - slices.low) / slices.length;
@@ -106,7 +122,7 @@ impl Profile {
         let all: usize = values.iter().filter(|values| is_full(values)).map(|values| values.len()).sum();
         // Weights of 1 in the mean.
         let slice = |values: &mut List<f64>| match is_full(values) {
-            true => [(values.len() * full) as f64 / all as f64, median(values)],
+            true => [(values.len() * full) as f64 / all as f64, of(values)],
             false => [0.0; 2],
         };
         Self::off_a_line(values.iter_mut().map(slice).collect(), floor)
@@ -301,6 +317,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::statistics::median;
 
     const SLICES: Slices = Slices { low: 0.0, length: 0.04, count: 50 };
 
@@ -313,7 +330,7 @@ mod tests {
                 [(slice + 0.5) * SLICES.length, off(slice) + noise(k)]
             })
             .collect();
-        Profile::new(&SLICES, &seen, LEAST_SIGHTS, 1e-4).unwrap()
+        Profile::new(&SLICES, &seen, (LEAST_SIGHTS, median), 1e-4).unwrap()
     }
 
     fn raised(profile: &Profile) -> Vec<(Range<usize>, Step)> {
