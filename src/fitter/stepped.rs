@@ -16,7 +16,7 @@ use crate::observations::spread;
 use crate::parts::other_radius;
 
 /// About how many points tell a step.
-const SAMPLE: usize = 2000;
+const SAMPLE: usize = 1000;
 
 /// Most steps of a body that are looked for.
 const MOST_STEPS: usize = 4;

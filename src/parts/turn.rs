@@ -20,7 +20,7 @@ constants! {
 }
 
 /// How many generators are looked along, and how many steps as long as the longest turn.
-const GENERATORS: i32 = 9;
+const GENERATORS: i32 = 5;
 const STEPS: usize = 16;
 
 /// Where the depth is half way from the surface to what is behind, `outward` (± 1, along the axis) of a position at which it
