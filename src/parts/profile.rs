@@ -107,25 +107,37 @@ impl Profile {
         (least, of): (usize, fn(&mut [f64]) -> f64),
         floor: f64,
     ) -> Option<Self> {
-        let mut values: List<List<f64>> = (0..slices.count).map(|_| List::new()).collect();
-        for [along, value] in seen {
+        let count = slices.count;
+        let slice_of = |along: f64| {
             let slice = (along - slices.low) / slices.length;
-            if (0.0..slices.count as f64).contains(&slice) {
-                values[slice as usize].push(*value);
+            (0.0..count as f64).contains(&slice).then_some(slice as usize)
+        };
+        // Dealt out to the slices: where the next value of each one goes, which is where it ends when all are dealt out.
+        let mut ends = List::filled(0, count + 1);
+        seen.iter().filter_map(|[along, _]| slice_of(*along)).for_each(|slice| ends[slice + 1] += 1);
+        for slice in 0..count {
+            ends[slice + 1] += ends[slice];
+        }
+        let mut values = List::filled(0.0, ends[count]);
+        for [along, value] in seen {
+            if let Some(slice) = slice_of(*along) {
+                values[ends[slice]] = *value;
+                ends[slice] += 1;
             }
         }
-        let is_full = |values: &List<f64>| values.len() >= least;
-        let full = values.iter().filter(|values| is_full(values)).count();
-        if (full as f64) < LEAST_PART * slices.count as f64 {
+        let range = |slice: usize| if slice == 0 { 0..ends[0] } else { ends[slice - 1]..ends[slice] };
+        let is_full = |slice: &usize| range(*slice).len() >= least;
+        let full = (0..count).filter(is_full).count();
+        if (full as f64) < LEAST_PART * count as f64 {
             return None;
         }
-        let all: usize = values.iter().filter(|values| is_full(values)).map(|values| values.len()).sum();
+        let all: usize = (0..count).filter(is_full).map(|slice| range(slice).len()).sum();
         // Weights of 1 in the mean.
-        let slice = |values: &mut List<f64>| match is_full(values) {
-            true => [(values.len() * full) as f64 / all as f64, of(values)],
+        let slice = |slice: usize| match is_full(&slice) {
+            true => [(range(slice).len() * full) as f64 / all as f64, of(&mut values[range(slice)])],
             false => [0.0; 2],
         };
-        Self::off_a_line(values.iter_mut().map(slice).collect(), floor)
+        Self::off_a_line((0..count).map(slice).collect(), floor)
     }
 
     /// The same without stretches, but that of one number, and so many slices beside them.
