@@ -21,8 +21,12 @@ constants! {
     /// Points may lie on more than one surface where this part of them is not on the cylinder,
     ELSEWHERE = 0.05, "";
 
-    /// or where they scatter about it by this part of its radius.
+    /// or where they scatter about it by this part of its radius,
     WIDE = 0.1, "radius";
+
+    /// or by this part of it where they are off it together: so few of them are independent.
+    ROUGH = 0.01, "radius";
+    TOGETHER = 0.05, "";
 
     /// Points that a plane holds a quarter of, which scatter about it by this part of their scatter about a cylinder, have flat sides.
     FLATTER = 0.5, "";
@@ -157,8 +161,11 @@ pub(crate) fn is_as_good(before: &FitResult, again: &FitResult) -> bool {
 
 /// Whether points may lie on more than one surface, by a first fit to them.
 fn may_hold_more(view: &View, fit: &Fitted) -> bool {
-    if fit.result.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS)
-        || fit.result.point_scale > WIDE.get() * fit.result.cylinder.radius
+    let FitResult { flags, cylinder, point_scale, independent_points, points_used, .. } = fit.result;
+    let together = independent_points < TOGETHER.get() * points_used as f64;
+    if flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS)
+        || point_scale > WIDE.get() * cylinder.radius
+        || together && point_scale > ROUGH.get() * cylinder.radius
     {
         return true;
     }
@@ -228,6 +235,24 @@ mod tests {
                 assert!(off < 3.0 * stated, "{degrees}° {kind}: {off} {stated}");
                 assert!(stated < 3.0 * alone.uncertainty.unwrap().radius(), "{degrees}° {kind}: {stated}");
                 assert!(fit.points_used < 2000, "{degrees}° {kind}: {}", fit.points_used);
+            }
+        }
+    }
+
+    /// A cylinder three to five times as wide passed through both.
+    #[test]
+    fn a_strip_far_behind_the_body_does_not_widen_it() {
+        for degrees in [90.0, 110.0, 130.0] {
+            for seed in 0..4 {
+                let rng = &mut ChaCha8Rng::seed_from_u64(300 + seed);
+                let of_strip = |_| {
+                    let [x, y] = [3.0 + 0.6 * number(rng), 3.0 * number(rng)];
+                    [x, y, 14.0 + 0.3 * x + 0.01 * number(rng)]
+                };
+                let strip: Vec<[f64; 3]> = (0..600).map(of_strip).collect();
+                let fit = of(&[arc(seed, degrees), strip].concat()).fit().unwrap();
+                let off = (fit.cylinder.radius - 1.0).abs();
+                assert!(off < 3.0 * fit.uncertainty.unwrap().radius(), "{degrees}° {seed}: {off}");
             }
         }
     }
