@@ -89,6 +89,7 @@ fn ring(noise: &mut Noise, count: usize, degrees: f64, z: f64, outer: f64) -> Po
 fn beside(noise: &mut Noise, what: &str, count: usize, degrees: f64) -> Points {
     match what {
         "wall behind" => plane(noise, count, 0, [-1.2, 0.0, 0.0], [0.0, 3.0, 2.0]),
+        "strip far behind" => plane(noise, count, 0, [-8.0, 3.0, 0.0], [0.0, 0.6, 3.0]),
         "wall to the side" => plane(noise, count, 1, [0.0, 1.2, 0.0], [1.5, 0.0, 2.0]),
         "floor it lies on" => plane(noise, count, 1, [0.0, -1.0, 0.0], [1.5, 0.0, 2.0]),
         "ground at its foot" => ring(noise, count, 180.0, -2.0, 3.0),
@@ -127,6 +128,7 @@ fn kinds() -> Vec<Kind> {
     add("150°, outliers 30 %".into(), true, Box::new(outliers));
     for what in [
         "wall behind",
+        "strip far behind",
         "wall to the side",
         "floor it lies on",
         "ground at its foot",
