@@ -30,7 +30,7 @@ pub struct Evidence {
     pub over_cone: f64,
     /// The part of the lines along the axis at whose side the surface goes on smoothly instead of ending at the limb.
     pub open_sides: f64,
-    /// The part of the cells within the outline that lie off the surface, but not far in front of it.
+    /// The part of the cells within the outline that lie off the surface, but not in a recess of it, nor far in front of it.
     pub seen_through: f64,
     /// Independent samples of the sides.
     pub side_samples: f64,
@@ -81,6 +81,9 @@ constants! {
     /// something else.
     OFF = 1.3 * REACH.value, "σ";
     IN_FRONT = 0.5, "radius";
+
+    /// One that is no farther behind it than this is neither: keyways and grooves are as deep.
+    RECESS = 0.25, "radius";
 }
 
 /// A ray that is met with a cylinder takes as long as so many visits.
@@ -331,7 +334,9 @@ impl Scene<'_> {
                 continue;
             }
             let tolerance = (OFF.get() / information.sqrt()).max(LID.get() * cylinder.radius);
-            if behind > tolerance || behind < -tolerance && behind > -IN_FRONT.get() * cylinder.radius {
+            if behind > tolerance.max(RECESS.get() * cylinder.radius)
+                || behind < -tolerance && behind > -IN_FRONT.get() * cylinder.radius
+            {
                 through += 1.0;
             } else if behind.abs() <= tolerance {
                 on += 1.0;

@@ -19,6 +19,8 @@ enum Body {
     Can(Cylinder, f64),
     /// The same with a radius that grows along the axis.
     Frustum(Cylinder, f64, f64),
+    /// A can with a keyway towards the camera, of this width and depth.
+    Keyed(Cylinder, f64, [f64; 2]),
     /// Centre, three half edges.
     Block(Vector3<f64>, [Vector3<f64>; 3]),
 }
@@ -37,6 +39,17 @@ impl Body {
             }
             Self::Can(cylinder, half) => frustum(cylinder, 0.0, *half, ray),
             Self::Frustum(cylinder, taper, half) => frustum(cylinder, *taper, *half, ray),
+            Self::Keyed(cylinder, half, [width, depth]) => {
+                let Cylinder { axis, radius } = cylinder;
+                let surface = frustum(cylinder, 0.0, *half, ray)?;
+                let toward = -axis.nearest_to(&Vector3::zeros()).normalize();
+                let point = ray * surface - axis.point;
+                let is_cut = point.dot(&toward) > 0.0
+                    && point.dot(&axis.direction.cross(&toward)).abs() <= 0.5 * width
+                    && point.dot(&axis.direction).abs() <= 0.8 * half;
+                let floor = (axis.point.dot(&toward) + radius - depth) / ray.dot(&toward);
+                Some(if is_cut { floor } else { surface })
+            }
             Self::Block(center, edges) => {
                 let (mut near, mut far) = (0.0_f64, f64::INFINITY);
                 for edge in edges {
@@ -177,6 +190,18 @@ fn cans_and_pipes_are_found_among_other_bodies() {
         let pixels = found.labels.iter().filter(|&&label| usize::from(label) == index + 1).count();
         assert_eq!(pixels, detection.pixels);
         assert!(detection.score > 0.5 && pixels > 500);
+    }
+}
+
+/// Its floor seemed to be something that is seen through the shaft.
+#[test]
+fn a_shaft_with_a_keyway_is_found() {
+    for (width, depth) in [(0.4, 0.2), (0.5, 0.2), (0.5, 0.24)] {
+        let shaft = can(0.0, 0.0, 0.3, Vector3::new(1.0, 0.1, 0.1), 0.04);
+        let keyed = Body::Keyed(shaft, 0.09, [width * 0.04, depth * 0.04]);
+        let found = search_for(&[Body::Plane(Vector3::z(), 0.5), keyed]).cylinders;
+        let [one] = &found[..] else { panic!("{width} {depth}: {found:?}") };
+        assert!(matches(&one.cylinder, &shaft), "{width} {depth}: {one:?}");
     }
 }
 
