@@ -2,10 +2,9 @@
 
 use super::DetectionOptions;
 use super::candidate::{Candidate, Look, Marks, Scene};
-use super::search::Judged;
+use super::search::{Judged, same};
 use super::surface::{REACH, Surface};
 use crate::memory::List;
-use crate::statistics::min_max;
 use nalgebra::Vector3;
 
 constants! {
@@ -34,9 +33,10 @@ constants! {
     /// The middle of a part is at most this far from the axis of the other.
     MOST_BESIDE = 1.5, "radius";
 
-    /// Two candidates are parts of one cylinder where so much of their cells is of one of them alone. Others explain the same cells in two
-    /// ways, which is for the choice to decide.
+    /// Two candidates are parts of one cylinder where so much of their cells is of one of them alone, and this much where both are
+    /// nearly the same cylinder: each goes on over another groove. Others explain the same cells in two ways, which is for the choice to decide.
     APART = 0.9, "";
+    OVERLAP = 0.65, "";
 
     /// What the five numbers of a second cylinder would have to bring to be worth having.
     NUMBERS = 3.0, "log odds";
@@ -113,9 +113,12 @@ fn joined(
         }
     }
     let both = a.candidate.cells.len() + b.candidate.cells.len();
-    if (cells.len() as f64) < APART.get() * both as f64 {
+    let are_apart = cells.len() as f64 >= APART.get() * both as f64;
+    let overlap = same(one, other) && cells.len() as f64 >= OVERLAP.get() * both as f64;
+    if !are_apart && !overlap {
         return None;
     }
+    let all = cells.len();
     let mut best: Option<(Look, Surface, List<usize>)> = None;
     let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
     for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
@@ -128,9 +131,16 @@ fn joined(
         }
     }
     let (look, surface, cells) = best?;
-    let [less, more] = min_max(&[a.candidate.gain, b.candidate.gain]);
-    let short = less + more - NUMBERS.get() - look.worth;
-    if short > SHARED_PART.get() * less {
+    let gain = |of: &Judged| of.candidate.gain;
+    let (smaller, larger) = if gain(a) < gain(b) { (a, b) } else { (b, a) };
+    // What both explain counts once, and leaves nothing to fall short of.
+    let of_smaller = smaller.candidate.cells.len() as f64;
+    let (own, most_short) = match are_apart {
+        true => (1.0, SHARED_PART.get() * gain(smaller)),
+        false => (1.0 - (both - all) as f64 / of_smaller, 0.0),
+    };
+    let short = own * gain(smaller) + gain(larger) - NUMBERS.get() - look.worth;
+    if short > most_short {
         return None;
     }
     // One that explains less must be a cylinder as surely as the less sure of both, but for a little.

@@ -167,7 +167,7 @@ pub(super) fn search(
 }
 
 /// Whether two cylinders are nearly one.
-fn same(a: &Cylinder, b: &Cylinder) -> bool {
+pub(super) fn same(a: &Cylinder, b: &Cylinder) -> bool {
     let change = a.compare(b);
     change.angle < ALIKE.get()
         && change.radius_relative.abs() < ALIKE.get()

@@ -28,6 +28,9 @@ constants! {
     ROUGH = 0.01, "radius";
     TOGETHER = 0.05, "";
 
+    /// Where they scatter by this part of it then, the body is no cylinder: waves of depth have 1.9 % of the radius at most.
+    NONE = 0.05, "radius";
+
     /// Points that a plane holds a quarter of, which scatter about it by this part of their scatter about a cylinder, have flat sides.
     FLATTER = 0.5, "";
 }
@@ -102,7 +105,7 @@ impl Fitter {
         let some: List<Vector3<f64>> = some.iter().map(|&k| view.cloud.point(points[k])).collect();
         // A part of a cylinder is nowhere flatter than round.
         let has_side = PlaneBeside::among(&some, FLATTER.get() * fit.result.point_scale).is_some();
-        if is_little || has_side {
+        if is_little || has_side || are_off_together(&fit.result, NONE.get()) {
             fit.result.flags |= Flags::POOR_FIT;
         }
         Ok(Some(fit))
@@ -159,13 +162,17 @@ pub(crate) fn is_as_good(before: &FitResult, again: &FitResult) -> bool {
     again.point_scale <= AS_WELL * before.point_scale && poor != [false, true]
 }
 
+/// Whether points are off the cylinder of their fit together, by this part of its radius.
+fn are_off_together(fit: &FitResult, part: f64) -> bool {
+    fit.point_scale > part * fit.cylinder.radius
+        && fit.independent_points < TOGETHER.get() * fit.points_used as f64
+}
+
 /// Whether points may lie on more than one surface, by a first fit to them.
 fn may_hold_more(view: &View, fit: &Fitted) -> bool {
-    let FitResult { flags, cylinder, point_scale, independent_points, points_used, .. } = fit.result;
-    let together = independent_points < TOGETHER.get() * points_used as f64;
-    if flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS)
-        || point_scale > WIDE.get() * cylinder.radius
-        || together && point_scale > ROUGH.get() * cylinder.radius
+    if fit.result.flags.intersects(Flags::POOR_FIT | Flags::WEAK_RADIUS)
+        || fit.result.point_scale > WIDE.get() * fit.result.cylinder.radius
+        || are_off_together(&fit.result, ROUGH.get())
     {
         return true;
     }
