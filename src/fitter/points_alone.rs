@@ -25,8 +25,8 @@ constants! {
     WIDE = 0.1, "radius";
 
     /// or by this part of it where they are off it together: so few of them are independent.
-    ROUGH = 0.01, "radius";
-    TOGETHER = 0.05, "";
+    ROUGH = 0.015, "radius";
+    TOGETHER = 0.02, "";
 
     /// Where they scatter by this part of it then, the body is no cylinder: waves of depth have 1.9 % of the radius at most.
     NONE = 0.05, "radius";
