@@ -82,8 +82,10 @@ constants! {
     OFF = 1.3 * REACH.value, "σ";
     IN_FRONT = 0.5, "radius";
 
-    /// One that is no farther behind it than this is neither: keyways and grooves are as deep.
+    /// One that is no farther behind it than this is neither: keyways and grooves are as deep. They are told from depth that windows smear
+    /// over a gap where the body has so many pixels of radius.
     RECESS = 0.25, "radius";
+    WIDE_RECESS = 80.0, "px";
 }
 
 /// A ray that is met with a cylinder takes as long as so many visits.
@@ -312,6 +314,8 @@ impl Scene<'_> {
         let (mut through, mut on) = (0.0, 0.0);
         let seen = Band::new(cylinder, SEEN_PART.get());
         let inset = ENDS.get() * (last - first);
+        let recess =
+            if evidence.radius_pixels >= WIDE_RECESS.get() { RECESS.get() * cylinder.radius } else { 0.0 };
         // The cells around the support, as far as the cylinder may reach.
         let [columns, rows] = grid.around(&candidate.cells, margin);
         let in_view = InView::of_piece(cylinder, [first + inset, last - inset]);
@@ -334,7 +338,7 @@ impl Scene<'_> {
                 continue;
             }
             let tolerance = (OFF.get() / information.sqrt()).max(LID.get() * cylinder.radius);
-            if behind > tolerance.max(RECESS.get() * cylinder.radius)
+            if behind > tolerance.max(recess)
                 || behind < -tolerance && behind > -IN_FRONT.get() * cylinder.radius
             {
                 through += 1.0;

@@ -197,9 +197,9 @@ fn cans_and_pipes_are_found_among_other_bodies() {
 #[test]
 fn a_shaft_with_a_keyway_is_found() {
     for (width, depth) in [(0.4, 0.2), (0.5, 0.2), (0.5, 0.24)] {
-        let shaft = can(0.0, 0.0, 0.3, Vector3::new(1.0, 0.1, 0.1), 0.04);
-        let keyed = Body::Keyed(shaft, 0.09, [width * 0.04, depth * 0.04]);
-        let found = search_for(&[Body::Plane(Vector3::z(), 0.5), keyed]).cylinders;
+        let shaft = can(0.0, 0.0, 0.16, Vector3::new(1.0, 0.1, 0.1), 0.04);
+        let keyed = Body::Keyed(shaft, 0.06, [width * 0.04, depth * 0.04]);
+        let found = search_for(&[Body::Plane(Vector3::z(), 0.4), keyed]).cylinders;
         let [one] = &found[..] else { panic!("{width} {depth}: {found:?}") };
         assert!(matches(&one.cylinder, &shaft), "{width} {depth}: {one:?}");
     }
