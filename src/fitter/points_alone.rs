@@ -367,6 +367,22 @@ mod tests {
         assert!(of(&points).fit().unwrap().flags.contains(Flags::POOR_FIT));
     }
 
+    /// Of a box of six sides every second one had no warning.
+    #[test]
+    fn a_closed_box_is_a_poor_fit() {
+        for seed in 0..10 {
+            let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+            let half: [f64; 3] = std::array::from_fn(|_| 0.65 + 0.35 * number(rng));
+            let of_box = |k: usize| {
+                let mut point: [f64; 3] = std::array::from_fn(|k| half[k] * number(rng));
+                point[k % 3] = half[k % 3].copysign(point[k % 3]) + 0.003 * number(rng);
+                [point[0], point[1], point[2] + 5.0]
+            };
+            let points: Vec<[f64; 3]> = (0..4000).map(of_box).collect();
+            assert!(of(&points).fit().unwrap().flags.contains(Flags::POOR_FIT), "{seed}");
+        }
+    }
+
     #[test]
     fn limits_beyond_which_a_search_has_none_are_no_error() {
         let mut fitter = of(&[arc(1, 150.0), beside(1, "beside", 150.0)].concat());
