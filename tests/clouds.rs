@@ -171,6 +171,27 @@ fn points_of_a_floor_do_not_draw_a_pipe_that_lies_on_it() {
     }
 }
 
+/// Noise of each point's own, of 4 % of the radius, is no reason to leave out what lies next to the limbs.
+#[test]
+fn noise_of_each_point_makes_no_pipe_thinner() {
+    for seed in 1..=4 {
+        let mut dice = Dice::new(seed);
+        let own: Pipe = ([0.0, 0.0, 1.0], [1.0, 0.2, 0.1], 0.05, 0.3);
+        let truth = Cylinder::new(Vector3::from(own.0), Vector3::from(own.1), own.2).unwrap();
+        let mut points = Vec::new();
+        while points.len() < 20_000 {
+            let ray = Vector3::new(dice.between(-0.3, 0.3), dice.between(-0.15, 0.15), 1.0).normalize();
+            if let Some(hit) = truth.first_hit(&ray)
+                && truth.axis.position_of(&hit).abs() < own.3
+            {
+                points.push(hit + ray * (0.04 * own.2 * dice.normal()));
+            }
+        }
+        let scene = detect(&points, 1);
+        assert_eq!(found_within(&scene, &own, &Vector3::zeros(), 0.01).len(), 1, "{seed}: {:?}", scene.cylinders);
+    }
+}
+
 /// Each look takes what it finds from those after it, in the same order for any number of threads.
 #[test]
 fn many_looks_give_the_same_bits_for_any_number_of_threads() {

@@ -18,6 +18,9 @@ constants! {
     /// 0.7 radii find pipes 5.9, 2.0 and −0.9 % too wide, cylinders on tables 3.3, 1.1 and −0.8 %.
     MIDDLE = 0.7, "radius";
 
+    /// Where this part of the points in the middle is independent no window has matched them, and none are drawn out.
+    INDEPENDENT = 0.5, "";
+
     /// Fewest points in the middle of a region that are fitted alone.
     FEWEST = 50.0, "points";
 
@@ -192,6 +195,9 @@ impl Fits<'_> {
         let middle = |cylinder: &Cylinder| self.middle(looks, region, cylinder);
         let mut chosen = middle(&detection.cylinder);
         let (mut fitter, mut result) = fit(chosen.as_deref().unwrap_or(region))?;
+        if chosen.is_some() && result.independent_points >= INDEPENDENT.get() * result.points_used as f64 {
+            return fit(region);
+        }
         // Which points lie in the middle follows from the radius.
         for _ in 1..budget.map_or(1, |_| ROUNDS.min(self.attempts())) {
             let next = middle(&result.cylinder);
