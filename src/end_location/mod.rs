@@ -207,7 +207,9 @@ pub fn locate_ends(
     let (told, collars) = parts.map_or_else(Default::default, |parts| (parts.ends, parts.collars));
     let Some(extremes) = rough_extremes(search, cylinder) else { return extreme_ends(search) };
     check()?;
-    let silhouette = Silhouette::new(surface, search.mask, extremes, search.noise, search.limbs_known);
+    // A region has the pixels that see the surface, which none beyond the limbs do.
+    let has_bias = search.limbs_known && search.content != MaskContent::Region;
+    let silhouette = Silhouette::new(surface, search.mask, extremes, search.noise, has_bias);
     let body = Ending { search, whole, surroundings: surroundings(search, cylinder), silhouette };
     let mut end = |k: usize| {
         check()?;

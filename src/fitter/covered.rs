@@ -42,7 +42,7 @@ impl View {
         let (width, height) = (mask.width(), mask.height());
         let mut mixed = List::filled(false, width * height);
         // The pixel at the edge is one of them.
-        let reach = (MIXED * self.frame.depth_pixel() - 1.0).round().max(0.0) as usize;
+        let reach = (MIXED * depth.pixel() - 1.0).round().max(0.0) as usize;
         for (x, y) in covered {
             for row in y.saturating_sub(reach)..=(y + reach).min(height - 1) {
                 let columns = x.saturating_sub(reach)..=(x + reach).min(width - 1);

@@ -55,6 +55,8 @@ pub struct DepthImage {
     values: Vec<f32>,
     /// Length of one unit.
     scale: f64,
+    /// See [`Self::pixel`].
+    pixel: f64,
 }
 
 impl DepthImage {
@@ -65,14 +67,14 @@ impl DepthImage {
     pub fn copy(view: &DepthView<'_>) -> Result<Self> {
         let (width, height) = (view.width(), view.height());
         let values = Arch::new().dispatch(Copied { view, values: room_for(width, height)? });
-        Ok(Self { width, height, values, scale: view.scale })
+        Ok(Self { width, height, values, scale: view.scale, pixel: 1.0 })
     }
 
-    /// An image in which nothing was measured.
-    pub(super) fn empty(width: usize, height: usize, scale: f64) -> Result<Self> {
+    /// An image in which nothing was measured, for depth that was measured in pixels of a size.
+    pub(super) fn empty((width, height): (usize, usize), scale: f64, pixel: f64) -> Result<Self> {
         let mut values = room_for(width, height)?;
         values.resize(width * height, 0.0);
-        Ok(Self { width, height, values, scale })
+        Ok(Self { width, height, values, scale, pixel })
     }
 
     /// The image without the depths that a range leaves out.
@@ -80,7 +82,7 @@ impl DepthImage {
     /// # Errors
     /// `OutOfMemory`.
     pub(crate) fn within(&self, range: &DepthRange) -> Result<Self> {
-        let mut image = Self::empty(self.width, self.height, self.scale)?;
+        let mut image = Self::empty(self.size(), self.scale, self.pixel)?;
         for (index, value) in image.values.iter_mut().enumerate() {
             if self.depth_at(index).is_some_and(|depth| (range.min..=range.max).contains(&depth)) {
                 *value = self.values[index];
@@ -114,6 +116,13 @@ impl DepthImage {
     #[must_use]
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
+    }
+
+    /// The size of the pixels that were measured, in pixels of this image: 1 unless its depth was carried to the grid of an image with
+    /// other ones.
+    #[must_use]
+    pub fn pixel(&self) -> f64 {
+        self.pixel
     }
 
     /// The depth z at a pixel; `None` outside the image and where nothing was measured.

@@ -153,12 +153,6 @@ impl Frame {
         self.camera.as_ref()
     }
 
-    /// The size of a pixel of the depth image in pixels of the colour camera.
-    pub(crate) fn depth_pixel(&self) -> f64 {
-        let own = self.depth_camera.as_ref().zip(self.camera.as_ref());
-        own.map_or(1.0, |(depth, color)| depth.camera.pixel_size() / color.pixel_size())
-    }
-
     /// The motion from the frame of the colour camera to the frame of reference.
     #[must_use]
     pub fn pose(&self) -> &RigidMotion {

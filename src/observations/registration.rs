@@ -73,7 +73,7 @@ impl Registration {
         let rays = Rays::new(own)?;
         let surface = Surface::new(depth, own, camera);
         let (width, height) = depth.size();
-        let mut splat = Splat::new(depth.size(), camera)?;
+        let mut splat = Splat::new(depth.size(), camera, own.camera.pixel_size() / camera.pixel_size())?;
         let mut pixels = reserved(width * height, OUTSIDE)?;
         // Corners that all pixels around share, above and below the row.
         let mut above: Vec<Option<Vector2<f64>>> = reserved(width + 1, None)?;
@@ -293,11 +293,12 @@ struct Splat {
 }
 
 impl Splat {
-    fn new(from: (usize, usize), camera: &Camera) -> Result<Self> {
+    /// For depth of some columns and rows, whose pixels have a size in those of the image.
+    fn new(from: (usize, usize), camera: &Camera, pixel: f64) -> Result<Self> {
         let (width, height) = camera.size();
         let reach = |to: usize, from: usize| LARGEST_FOOTPRINT * (to as f64 / from as f64).max(1.0);
         let reach = Vector2::new(reach(width, from.0), reach(height, from.1));
-        Ok(Self { image: DepthImage::empty(width, height, 1.0)?, reach })
+        Ok(Self { image: DepthImage::empty((width, height), 1.0, pixel)?, reach })
     }
 
     /// The pixel that a position of the image is in, counted row by row.

@@ -60,7 +60,7 @@ impl DepthImage {
         if across == 1 && down == 1 {
             return Ok(None);
         }
-        let mut image = Self::empty(width, height, self.scale())?;
+        let mut image = Self::empty((width, height), self.scale(), self.pixel() * across.max(down) as f64)?;
         for row in 0..height {
             let values = filled(self.values_of_row(row), across);
             image.values_of_row_mut(row).iter_mut().zip(values).for_each(|(to, value)| *to = value);

@@ -51,16 +51,23 @@ impl EndSearch<'_> {
     /// The end by depth, by the far rim where that is less certain; `None` where neither tells one.
     pub fn end(&self, beyond: &Beyond<'_>) -> Option<BodyEnd> {
         let pixel = pixel_length(self.camera, self.cylinder, beyond.inner.position)?;
-        let of_depth = (against(beyond.votes) >= self.least)
-            .then(|| self.by_cap(beyond, pixel).or_else(|| self.by_leaving(beyond, pixel)))
+        let of_depth = self.depth_pixel() * pixel;
+        let by_depth = (against(beyond.votes) >= self.least)
+            .then(|| self.by_cap(beyond, of_depth).or_else(|| self.by_leaving(beyond, of_depth)))
             .flatten();
-        match of_depth {
+        match by_depth {
             Some(end) if end.deviation <= FAR_RIM_PIXELS.get() * pixel => Some(end),
-            _ => self.by_far_rim(beyond, pixel).or(of_depth),
+            _ => self.by_far_rim(beyond, pixel).or(by_depth),
         }
     }
 
-    /// The end where the depth turns from the surface to what is behind; `None` where the mask ends before it has.
+    /// The size of the pixels in which the depth was measured, in pixels of the image, or of these where they are larger.
+    fn depth_pixel(&self) -> f64 {
+        self.depth.pixel().max(1.0)
+    }
+
+    /// The end where the depth turns from the surface to what is behind; `None` where the mask ends before it has. `pixel` is the length
+    /// of one of the depth along the axis.
     fn by_leaving(&self, beyond: &Beyond<'_>, pixel: f64) -> Option<BodyEnd> {
         let end = beyond.leaving(pixel);
         let (inner, outward) = (beyond.inner.position, beyond.outward);
@@ -79,7 +86,7 @@ impl EndSearch<'_> {
         self.rims.get_or_init(|| Rims::new(self.camera, self.mask, self.cylinder))
     }
 
-    /// The end by the plane of a cap, where one is seen beyond the body; `pixel` is the length of one along the axis.
+    /// The end by the plane of a cap, where one is seen beyond the body; `pixel` is the length of one of the depth along the axis.
     fn by_cap(&self, beyond: &Beyond<'_>, pixel: f64) -> Option<BodyEnd> {
         let Self { camera, cylinder, noise, reach, .. } = *self;
         let outward = beyond.outward;
@@ -91,7 +98,7 @@ impl EndSearch<'_> {
             return None;
         }
         // Matching windows draw the depth of two rims that are near to each other over the end.
-        let apart = rims_apart(camera, cylinder, position).is_some_and(|pixels| pixels >= SURPLUS.get());
+        let apart = rims_apart(camera, cylinder, position).is_some_and(|pixels| pixels >= SURPLUS.get() * self.depth_pixel());
         let pixels = if apart { CAP_PIXELS } else { DEPTH_PIXELS };
         let deviation = (SHARED_PART.get() * spread).max(pixels.get() * pixel);
         let far = self.rims().far(outward, DEPTH_ODDS.get(), noise);
@@ -101,7 +108,8 @@ impl EndSearch<'_> {
         Some(BodyEnd { position, deviation, sign: EndSign::Cap, recess })
     }
 
-    /// The end by the far rim in the outline of the mask, where the depth shows the surface up to it and not beyond.
+    /// The end by the far rim in the outline of the mask, where the depth shows the surface up to it and not beyond; `pixel` is the length
+    /// of one of the image along the axis.
     fn by_far_rim(&self, beyond: &Beyond<'_>, pixel: f64) -> Option<BodyEnd> {
         let outward = beyond.outward;
         let before = DEPTH_ODDS.get() * (against(beyond.votes) / self.least).clamp(0.0, 1.0);
@@ -118,7 +126,8 @@ impl EndSearch<'_> {
         // Nor where the surface itself is seen beyond it.
         let past = votes_past(true);
         let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
-        let nothing = (beyond.inner.position - position) * outward > SURPLUS.get() * pixel;
+        let surplus = SURPLUS.get() * self.depth_pixel() * pixel;
+        let nothing = (beyond.inner.position - position) * outward > surplus;
         (!nothing && 2 * on_surface <= past.len()).then_some(BodyEnd {
             position,
             deviation: FAR_RIM_PIXELS.get() * pixel,

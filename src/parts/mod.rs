@@ -58,8 +58,8 @@ constants! {
     /// The part of the error of a depth that all points of a cap share.
     SHARED_PART = 0.35, "σ";
 
-    /// Standard deviation of an end by the plane of a cap at least, by the depth that leaves the surface, and by the far
-    /// rim, in pixels.
+    /// Standard deviation of an end by the plane of a cap at least, and by the depth that leaves the surface, in pixels of the depth, and by
+    /// the far rim, in pixels of the image.
     CAP_PIXELS = 0.4, "px";
     DEPTH_PIXELS = 1.5, "px";
     FAR_RIM_PIXELS = 1.5, "px";
@@ -67,10 +67,10 @@ constants! {
     /// What the depth behind the surface adds to the odds of a far rim, where it nearly is enough by itself.
     DEPTH_ODDS = 2.0, "";
 
-    /// The depth may show the surface so far beyond an end, in pixels: matching windows draw it out.
+    /// The depth may show the surface so far beyond an end, in pixels of the depth: matching windows draw it out.
     SURPLUS = 8.0, "px";
 
-    /// The far rim is at least so far beyond the plane of a cap that is recessed, in pixels.
+    /// The far rim is at least so far beyond the plane of a cap that is recessed, in pixels of the depth.
     LEAST_RECESS = 1.5, "px";
 
     /// Fewest pixels of a cap.
@@ -198,7 +198,7 @@ impl Parts {
         ];
         let ends = beyond.map(|beyond| {
             let end = search.end(&beyond)?;
-            let pixel = pixel_length(camera, cylinder, end.position)?;
+            let pixel = depth.pixel().max(1.0) * pixel_length(camera, cylinder, end.position)?;
             Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], beyond.outward).unwrap_or(end))
         });
         let positions = ends.map(|end| Some(end?.position));
@@ -206,7 +206,8 @@ impl Parts {
             collars(camera, mask, (&sights, stride), cylinder, positions).unwrap_or((List::new(), positions));
         let ends = [0, 1].map(|k| match narrower[k] {
             Some(position) if narrower[k] != positions[k] => {
-                let deviation = DEPTH_PIXELS.get() * pixel_length(camera, cylinder, position)?;
+                let pixel = depth.pixel().max(1.0) * pixel_length(camera, cylinder, position)?;
+                let deviation = DEPTH_PIXELS.get() * pixel;
                 Some(BodyEnd { position, deviation, sign: EndSign::Depth, recess: 0.0 })
             }
             // The far rim of a lid that is wider lies beyond that of the body.

@@ -11,7 +11,8 @@ use crate::statistics::median;
 use std::ops::Range;
 
 constants! {
-    /// The turn is at most so long, in pixels of the drawing: matching windows and beams of depth cameras are.
+    /// The turn is at most so long, in pixels of the drawing or, where these are larger, of the depth: matching windows and beams of
+    /// depth cameras are.
     LONGEST = 8.0, "px";
 
     /// Past it the depth behind the surface changes by less than this part of itself over a quarter of that length: that of a
@@ -33,7 +34,8 @@ pub(crate) fn turn(
     noise: &ImageNoise,
     [position, outward]: [f64; 2],
 ) -> Option<f64> {
-    let step = LONGEST.get() * noise.pixel * pixel_length(camera, cylinder, position)? / STEPS as f64;
+    let pixel = noise.pixel.max(depth.pixel()) * pixel_length(camera, cylinder, position)?;
+    let step = LONGEST.get() * pixel / STEPS as f64;
     let excess_at = |k: usize| excess(camera, depth, cylinder, position + outward * step * k as f64);
     let middle = |steps: Range<usize>| {
         let mut found: List<f64> = steps.filter_map(excess_at).collect();
