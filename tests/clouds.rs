@@ -188,7 +188,12 @@ fn noise_of_each_point_makes_no_pipe_thinner() {
             }
         }
         let scene = detect(&points, 1);
-        assert_eq!(found_within(&scene, &own, &Vector3::zeros(), 0.01).len(), 1, "{seed}: {:?}", scene.cylinders);
+        assert_eq!(
+            found_within(&scene, &own, &Vector3::zeros(), 0.01).len(),
+            1,
+            "{seed}: {:?}",
+            scene.cylinders
+        );
     }
 }
 

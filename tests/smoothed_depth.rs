@@ -150,51 +150,65 @@ fn ends_are_not_where_smeared_depth_begins_to_leave_the_surface() {
     assert!(off < 3.0, "{} of {LENGTH}, {off} deviations", found.length);
 }
 
-/// Windows of nine pixels give each pixel the nearest depth among them: a pipe is drawn out all round by four. Its region, which has no
-/// pixels beyond the limbs, seemed to be a mask that is too small; the ends were moved outward by so much, past where the image shows them.
-#[test]
-fn ends_that_windows_draw_out_are_those_of_the_image() {
-    const REACH: usize = 4;
-    const LENGTH: f64 = 0.4;
+/// A pipe of length [`LENGTH`] before a wall, and its depth as windows draw it out: each pixel of the wall has the nearest depth of those
+/// that are no more than a reach away.
+fn drawn_out(reach: usize) -> Frame {
     const SAMPLES: usize = 4;
+    const WALL: f64 = 1.4;
     let (width, height) = (640, 480);
     let distortion = Distortion::None;
     let intrinsics = Intrinsics { width, height, fx: 570.0, fy: 570.0, cx: 319.5, cy: 239.5, distortion };
     let camera = Camera::new(intrinsics).unwrap();
     let pipe = Cylinder::new(Vector3::new(0.0, 0.0, 0.9), Vector3::new(0.9, 0.2, 0.1), 0.04).unwrap();
     let size = (width as usize, height as usize);
-    let hit = |column: f64, row: f64| {
+    let depth_at = |column: f64, row: f64| {
         let ray = camera.unproject(&Vector2::new(column, row)).unwrap();
-        pipe.first_hit(&ray).filter(|point| pipe.axis.position_of(point).abs() < LENGTH / 2.0)
+        let hit = pipe.first_hit(&ray).filter(|point| pipe.axis.position_of(point).abs() < LENGTH / 2.0);
+        hit.map_or(WALL, |point| point.z)
     };
     let pixels = || (0..size.0 * size.1).map(|k| (k % size.0, k / size.0));
-    let sharp: Vec<f64> =
-        pixels().map(|(x, y)| hit(x as f64, y as f64).map_or(1.4, |point| point.z)).collect();
+    let sharp: Vec<f64> = pixels().map(|(x, y)| depth_at(x as f64, y as f64)).collect();
     let mut noise = Noise::new(2);
     let nearest = |(x, y): (usize, usize)| {
-        let columns = x.saturating_sub(REACH)..(x + REACH + 1).min(size.0);
-        let rows = y.saturating_sub(REACH)..(y + REACH + 1).min(size.1);
+        let columns = x.saturating_sub(reach)..(x + reach + 1).min(size.0);
+        let rows = y.saturating_sub(reach)..(y + reach + 1).min(size.1);
         let of_row = |row: usize| sharp[row * size.0..][columns.clone()].iter().copied();
-        // On the pipe its own depth.
         let own = sharp[y * size.0 + x];
-        let depth = if own < 1.4 { own } else { rows.flat_map(of_row).fold(own, f64::min) };
+        let depth = if own < WALL { own } else { rows.flat_map(of_row).fold(own, f64::min) };
         (depth + 5e-4 * noise.normal()) as f32
     };
     let depth: Vec<f32> = pixels().map(nearest).collect();
     let grey = |(x, y): (usize, usize)| {
-        let inside = (0..SAMPLES * SAMPLES)
+        let samples = (0..SAMPLES * SAMPLES)
             .map(|k| [k % SAMPLES, k / SAMPLES].map(|k| (k as f64 + 0.5) / SAMPLES as f64 - 0.5));
-        let covered = inside.filter(|[u, v]| hit(x as f64 + u, y as f64 + v).is_some()).count();
+        let covered = samples.filter(|[u, v]| depth_at(x as f64 + u, y as f64 + v) < WALL).count();
         40 + (6 * covered) as u8
     };
     let image: Vec<u8> = pixels().map(grey).collect();
-
     let mut frame = Frame::new(camera.clone());
     frame.set_depth(&DepthView::from_f32(&depth, size, 1.0).unwrap(), &DepthRange::default()).unwrap();
     frame.set_image(&ImageView::from_u8(&image, size).unwrap()).unwrap();
-    let scene = Detector::new().detect(&frame).unwrap();
+    frame
+}
+
+const LENGTH: f64 = 0.4;
+
+/// The region, which has no pixels beyond the limbs, seemed to be a mask that is too small: its ends were moved outward by so much, past
+/// where the image shows them.
+#[test]
+fn ends_that_windows_draw_out_are_those_of_the_image() {
+    let scene = Detector::new().detect(&drawn_out(4)).unwrap();
     let [found] = &scene.cylinders[..] else { panic!("{} found", scene.cylinders.len()) };
     let extent = found.extent.as_ref().unwrap();
     assert!((extent.length / LENGTH - 1.0).abs() < 2e-3, "{extent:?}");
     assert_eq!([extent.start_source, extent.end_source], [EndSource::Image; 2]);
+}
+
+/// Moved to one side, depth that is drawn out to both had one of its limbs where the image shows it.
+#[test]
+fn depth_that_windows_draw_out_is_not_moved() {
+    for reach in 4..=8 {
+        let scene = Detector::new().detect(&drawn_out(reach)).unwrap();
+        assert_eq!(scene.depth_moved, [0; 2], "{reach} pixels");
+    }
 }

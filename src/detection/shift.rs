@@ -88,10 +88,12 @@ impl Coverage {
             Profile(pieces)
         };
         let [first, second] = [profile(&a), profile(&b)];
-        // The true limbs lie between those of depth that is drawn out.
+        // The true limbs lie between those of depth that is drawn out. Both tell: an edge along one may be anything.
         let inward = if (b.start - a.start).dot(&across) > 0.0 { 1 } else { -1 };
         let covered = |shift: i32| {
-            let both = |out: i32| first.covered(shift + inward * out) + second.covered(shift - inward * out);
+            let both = |out: i32| {
+                2.0 * first.covered(shift + inward * out).min(second.covered(shift - inward * out))
+            };
             DRAWN_OUT.map(both).fold(0.0, f64::max)
         };
         Some(Self { across, covered: (-MOST_ACROSS..=MOST_ACROSS).map(covered).collect(), weight })
@@ -134,5 +136,33 @@ impl Scene<'_> {
         let tells = there - here > LEAST_GAIN.get() * weight && there > LEAST_RATIO.get() * here;
         (pixels(best.0) >= LEAST.get() && tells)
             .then(|| best.0.map(|steps| (STEP * f64::from(steps)).round() as i32))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::detection::edges::Edge;
+    use nalgebra::Vector3;
+
+    /// Depth that windows draw out by 6 pixels has one limb where the image shows it when it is moved by 2 to either side, as far as the
+    /// other one may be drawn out.
+    #[test]
+    fn a_body_tells_by_both_its_limbs() {
+        let pixel = 1.0 / 570.0;
+        let body = Cylinder::new(Vector3::new(0.0, 0.0, 1.0), Vector3::x(), 0.05).unwrap();
+        let none = ImageEdges::new(Vec::new(), pixel);
+        let limbs = none.limbs(&body, [-0.2, 0.2]).unwrap();
+        let inward = (limbs[1].start - limbs[0].start).dot(&limbs[0].across).signum();
+        let edge = |limb: &Limb, out: f64| {
+            let start = limb.start + limb.across * (out * pixel);
+            Edge { ends: [start, start + Vector2::new(limb.across.y, -limb.across.x) * 0.4] }
+        };
+        let covered = |out: f64, shift: i32| {
+            let edges = vec![edge(&limbs[0], inward * out), edge(&limbs[1], -inward * out)];
+            let coverage = Coverage::new(&ImageEdges::new(edges, pixel), &body, [-0.2, 0.2], 1.0).unwrap();
+            coverage.covered[(shift + MOST_ACROSS) as usize]
+        };
+        assert_eq!([covered(3.0, 0), covered(6.0, 4), covered(6.0, -4)], [2.0, 0.0, 0.0]);
     }
 }

@@ -98,7 +98,8 @@ impl EndSearch<'_> {
             return None;
         }
         // Matching windows draw the depth of two rims that are near to each other over the end.
-        let apart = rims_apart(camera, cylinder, position).is_some_and(|pixels| pixels >= SURPLUS.get() * self.depth_pixel());
+        let apart = rims_apart(camera, cylinder, position)
+            .is_some_and(|pixels| pixels >= SURPLUS.get() * self.depth_pixel());
         let pixels = if apart { CAP_PIXELS } else { DEPTH_PIXELS };
         let deviation = (SHARED_PART.get() * spread).max(pixels.get() * pixel);
         let far = self.rims().far(outward, DEPTH_ODDS.get(), noise);
