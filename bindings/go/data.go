@@ -118,15 +118,16 @@ type Image interface {
 	imageView() (imageView, error)
 }
 
-// Mask says which pixels of the colour image show the lateral surface of the cylinder. Its boundary may be some pixels
-// off: it is a hint and never measured.
+// Mask says which pixels of the colour image show the cylinder: its lateral surface alone, or the whole object with caps,
+// lids and handles. With ObjectiveRobust a fit leaves out what the depth image shows to be no part of the lateral surface.
+// The boundary may be some pixels off: it is a hint and never measured.
 type Mask struct {
 	// Data holds the first row at its beginning.
 	Data []uint8
 	// Width and Height are those of the image or organised cloud that it belongs to.
 	Width, Height int
-	// Label is that of the cylinder in an image of labels: the pixels of this value are its surface. 0 = all pixels that
-	// are not 0.
+	// Label is that of the cylinder in an image of labels: the pixels of this value are the mask. 0 = all pixels that are
+	// not 0.
 	Label uint8
 	// RowStride is the distance of a row from the next one, in bytes; 0 = Width * PixelStride.
 	RowStride int

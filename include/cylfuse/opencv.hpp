@@ -119,7 +119,7 @@ inline DepthView depth_view(const cv::Mat &depth, double unit)
                : DepthView(depth.ptr<float>(), columns, rows, unit, detail::row_stride(depth));
 }
 
-/** A mask CV_8UC1: `label`, or where that is 0 all that is not 0, = visible lateral surface of the cylinder. */
+/** A mask CV_8UC1: `label`, or where that is 0 all that is not 0, = the cylinder, or the whole object: see MaskView. */
 inline MaskView mask_view(const cv::Mat &mask, std::uint8_t label = 0)
 {
     detail::check_image(mask, "the mask", {CV_8UC1}, "CV_8UC1");

@@ -178,7 +178,11 @@ private:
     }
 };
 
-/** A mask in the caller's memory: non-zero, or `label` where it is set, = visible lateral surface of the cylinder. */
+/**
+ * A mask in the caller's memory: non-zero, or `label` where it is set, = the cylinder. It may hold the lateral surface alone,
+ * or the whole object with caps, lids and handles: with Objective::Robust a fit leaves out what the depth image shows to be
+ * no part of the lateral surface. Its boundary may be some pixels off.
+ */
 struct MaskView : cylfuse_mask_view {
     /** No mask. */
     MaskView() noexcept { cylfuse_mask_view_init(this, sizeof(cylfuse_mask_view)); }

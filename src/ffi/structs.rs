@@ -154,8 +154,10 @@ pub struct cylfuse_depth_out {
     pub scale: f64,
 }
 
-/// A mask in the caller's memory, one byte a pixel, on the pixels of the colour image: which pixels show the lateral
-/// surface of the cylinder. Its boundary may be some pixels off: it is a hint and never measured.
+/// A mask in the caller's memory, one byte a pixel, on the pixels of the colour image: which pixels show the cylinder. It
+/// may hold the lateral surface alone, or the whole object with caps, lids and handles: with the objective ROBUST a fit
+/// leaves out what the depth image shows to be no part of the lateral surface. Its boundary may be some pixels off: it is a
+/// hint and never measured.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct cylfuse_mask_view {
@@ -165,8 +167,8 @@ pub struct cylfuse_mask_view {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are its surface. 0 = all
-    /// pixels that are not 0.
+    /// In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are the mask. 0 = all pixels that
+    /// are not 0.
     pub label: u32,
     /// The first pixel of the first row.
     pub data: *const u8,

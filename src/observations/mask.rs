@@ -8,8 +8,8 @@ use pulp::Arch;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-/// The pixels of the image that belong to the visible lateral surface. Its boundary is a hint, never a
-/// measurement of the limbs.
+/// The pixels of the image that show a cylinder: its lateral surface alone, or the whole object with caps, lids and handles.
+/// Its boundary is a hint, never a measurement of the limbs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mask {
     width: usize,

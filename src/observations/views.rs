@@ -382,7 +382,9 @@ impl<'a> ImageView<'a> {
     }
 }
 
-/// A mask in memory: non-zero = cylinder, or one value of an image of labels.
+/// A mask in memory: non-zero = cylinder, or one value of an image of labels. It may hold the lateral surface alone, or the
+/// whole object with caps, lids and handles: a fit with the robust objective leaves out what the depth image shows to be no
+/// part of the lateral surface.
 #[derive(Debug, Clone, Copy)]
 pub struct MaskView<'a> {
     pixels: Strided<'a>,

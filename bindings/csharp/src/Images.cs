@@ -67,8 +67,10 @@ namespace Cylfuse
         }
     }
 
-    /// <summary>A mask in an array, on the pixels of the colour image: non-zero = visible lateral surface of the
-    /// cylinder. Its boundary may be some pixels off: it is a hint and never measured.</summary>
+    /// <summary>A mask in an array, on the pixels of the colour image: non-zero = the cylinder. It may hold the lateral
+    /// surface alone, or the whole object with caps, lids and handles: with the objective Robust a fit leaves out what the
+    /// depth image shows to be no part of the lateral surface. Its boundary may be some pixels off: it is a hint and never
+    /// measured.</summary>
     public sealed class Mask
     {
         private readonly ArrayPart pixels;
@@ -78,7 +80,7 @@ namespace Cylfuse
             this.pixels = pixels;
         }
 
-        /// <summary>In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are its surface.
+        /// <summary>In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are the mask.
         /// Default 0 = all pixels that are not 0.</summary>
         public byte Label { get; set; }
 

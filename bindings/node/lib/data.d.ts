@@ -222,7 +222,11 @@ export interface ColourImage extends Pixels<Uint8Array | Uint8ClampedArray>, Lig
 /** An image of the camera. */
 export type Image = GreyImage | ColourImage;
 
-/** Which pixels of the colour image show the lateral surface of the cylinder; a hint that is never measured. */
+/**
+ * Which pixels of the colour image show the cylinder: its lateral surface alone, or the whole object with caps, lids and
+ * handles. With the objective `robust` a fit leaves out what the depth image shows to be no part of the lateral surface. The
+ * boundary may be some pixels off: it is a hint and never measured.
+ */
 export interface Mask extends Pixels<Uint8Array | Uint8ClampedArray> {
   /** That of the cylinder in an image of labels, 1 to 255. Default 0 = all pixels that are not 0. */
   label?: number;

@@ -44,8 +44,9 @@ def fit(
     :param depth_scale: the length of one unit of depth: 0.001 for millimetres where lengths are to be metres; 1 for float
         depth where it is left out, and needed for uint16
     :param intrinsics: the camera: :class:`Intrinsics`, or the 3 x 3 camera matrix of a pinhole
-    :param mask: rows x columns of bool or uint8: the visible lateral surface, give or take some pixels; None =
-        every measured pixel; the ends are then those of the points on the cylinder
+    :param mask: rows x columns of bool or uint8: the cylinder, give or take some pixels: its lateral surface alone, or
+        the whole object with caps, lids and handles, which the fit leaves out by the depth. None = every measured pixel:
+        the fit then searches them for a cylinder and takes the one with most of them
     :param image: rows x columns of uint8, uint16 or float32, or in colour rows x columns x 3 or 4 of uint8: the image,
         in which the limbs are located
     :param edges: N x 4 (x1, y1, x2, y2): segments on the two limbs in pixels

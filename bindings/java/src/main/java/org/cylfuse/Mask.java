@@ -3,8 +3,9 @@ package org.cylfuse;
 import java.nio.ByteBuffer;
 
 /**
- * A mask on the pixels of the colour image: non-zero = visible lateral surface of the cylinder. Its boundary may be
- * some pixels off: it is a hint and never measured.
+ * A mask on the pixels of the colour image: non-zero = the cylinder. It may hold the lateral surface alone, or the whole
+ * object with caps, lids and handles: with the objective ROBUST a fit leaves out what the depth image shows to be no part of
+ * the lateral surface. Its boundary may be some pixels off: it is a hint and never measured.
  */
 public final class Mask {
     private final BufferPart pixels;
