@@ -399,9 +399,11 @@ type EndSource int32
 const (
 	// EndFromExtreme: the extreme point completed over the mask.
 	EndFromExtreme EndSource = C.CYLFUSE_END_SOURCE_EXTREME
-	// EndFromMask: where the lines along the surface leave the mask.
+	// EndFromMask: where the lines along the surface leave the mask, or where within the mask the depth shows that the body
+	// ends: at a cap, an opening, a shoulder or a narrower part. Also where the image shows an arc that is less certain than that.
 	EndFromMask EndSource = C.CYLFUSE_END_SOURCE_MASK
-	// EndFromImage: the arc of the end circle in the image.
+	// EndFromImage: mostly the arc of the end circle in the image: it is joined with mask and depth by the variances, and
+	// is the more certain.
 	EndFromImage EndSource = C.CYLFUSE_END_SOURCE_IMAGE
 	// EndFromBorder: the last of the surface inside the border of the image.
 	EndFromBorder EndSource = C.CYLFUSE_END_SOURCE_BORDER

@@ -170,7 +170,10 @@ enum class EndState : cylfuse_end_state {
     Hidden = CYLFUSE_END_STATE_HIDDEN,
 };
 
-/** What the position of an end was taken from. */
+/**
+ * What the position of an end was taken from. Mask: where the lines along the surface leave the mask, or where within the mask
+ * the depth shows that the body ends. Image: mostly the arc of the end circle in the image.
+ */
 enum class EndSource : cylfuse_end_source {
     Extreme = CYLFUSE_END_SOURCE_EXTREME,
     Mask = CYLFUSE_END_SOURCE_MASK,

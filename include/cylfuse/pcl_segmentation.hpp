@@ -174,8 +174,8 @@ public:
     /** Pieces of the two limb lines in the image: x1 y1 x2 y2 in pixels each. `setEdges({})` takes them away. */
     void setEdges(std::vector<std::array<double, 4>> edges) { edges_ = std::move(edges); }
     /**
-     * The pixels of an organised cloud that show the cylinder: see MaskView. They must stay until `segment`. An empty view, `setMask({})`, takes
-     * them away.
+     * The pixels of an organised cloud that show the cylinder: see MaskView. They must stay until `segment`. An empty view,
+     * `setMask({})`, takes them away.
      */
     void setMask(const MaskView &mask) { mask_ = mask; }
 

@@ -66,11 +66,13 @@ pub enum EndState {
 /// What the position of an end was taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EndSource {
-    /// The extreme point completed over the mask.
+    /// The extreme point completed over the mask: by the rule of the extremes, or where no generator ends in the mask.
     Extreme,
-    /// Where the generators leave the mask.
+    /// Where the generators leave the mask, or where within the mask the depth shows that the body ends: at a cap, an opening, a
+    /// shoulder or a narrower part. Also where the image shows an arc that is less certain than that.
     Mask,
-    /// The arc of the end circle in the grey image.
+    /// Mostly the arc of the end circle in the grey image: it is joined with mask and depth by the variances, and is the
+    /// more certain.
     Image,
     /// The last of the surface inside the border of the image.
     Border,

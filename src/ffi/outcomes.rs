@@ -74,11 +74,14 @@ impl From<EndState> for cylfuse_end_state {
 pub struct cylfuse_end_source(pub i32);
 
 impl cylfuse_end_source {
-    /// The extreme point completed over the mask.
+    /// The extreme point completed over the mask: by the extent rule EXTREMES, or where no line along the surface ends in
+    /// the mask.
     pub const EXTREME: cylfuse_end_source = cylfuse_end_source(0);
-    /// Where the lines along the surface leave the mask.
+    /// Where the lines along the surface leave the mask, or where within the mask the depth shows that the body ends: at a cap,
+    /// an opening, a shoulder or a narrower part. Also where the image shows an arc that is less certain than that.
     pub const MASK: cylfuse_end_source = cylfuse_end_source(1);
-    /// The arc of the end circle in the image.
+    /// Mostly the arc of the end circle in the image: it is joined with mask and depth by the variances, and is the more
+    /// certain.
     pub const IMAGE: cylfuse_end_source = cylfuse_end_source(2);
     /// The last of the surface inside the border of the image.
     pub const BORDER: cylfuse_end_source = cylfuse_end_source(3);

@@ -36,7 +36,7 @@ const END_STATES: &[(cylfuse_end_state, &CStr)] = &[
 
 const END_SOURCES: &[(cylfuse_end_source, &CStr)] = &[
     (cylfuse_end_source::EXTREME, c"EXTREME: the extreme point completed over the mask"),
-    (cylfuse_end_source::MASK, c"MASK: where the surface leaves the mask"),
+    (cylfuse_end_source::MASK, c"MASK: where the surface leaves the mask, or where the depth shows its end"),
     (cylfuse_end_source::IMAGE, c"IMAGE: the arc of the end circle in the image"),
     (cylfuse_end_source::BORDER, c"BORDER: the last of the surface inside the border of the image"),
     (cylfuse_end_source::POINTS, c"POINTS: the points on the surface"),

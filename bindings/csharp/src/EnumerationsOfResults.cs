@@ -143,9 +143,12 @@ namespace Cylfuse
     {
         /// <summary>The extreme point completed over the mask.</summary>
         Extreme = 0,
-        /// <summary>Where the lines along the surface leave the mask.</summary>
+        /// <summary>Where the lines along the surface leave the mask, or where within the mask the depth shows that the body
+        /// ends: at a cap, an opening, a shoulder or a narrower part. Also where the image shows an arc that is less certain than
+        /// that.</summary>
         Mask = 1,
-        /// <summary>The arc of the end circle in the image.</summary>
+        /// <summary>Mostly the arc of the end circle in the image: it is joined with mask and depth by the variances, and is
+        /// the more certain.</summary>
         Image = 2,
         /// <summary>The last of the surface inside the border of the image.</summary>
         Border = 3,

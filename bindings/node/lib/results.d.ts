@@ -226,8 +226,11 @@ export interface Completion {
 export type EndState = 'unknown' | 'seen' | 'cut' | 'hidden';
 
 /**
- * What the position of an end was taken from: the extreme point completed over the mask, the mask, the arc of the end
- * circle in the image, the border of the image, or the points on the surface, where there is no mask, and from inside a pipe.
+ * What the position of an end was taken from. extreme: the extreme point completed over the mask. mask: where the lines along
+ * the surface leave the mask, or where within the mask the depth shows that the body ends (at a cap, an opening, a shoulder or a
+ * narrower part); also where the image shows an arc that is less certain than that. image: mostly the arc of the end circle
+ * in the image. border: the last of the surface inside the border of the image. points: the points on the surface, where
+ * there is no mask, and from inside a pipe.
  */
 export type EndSource = 'extreme' | 'mask' | 'image' | 'border' | 'points';
 

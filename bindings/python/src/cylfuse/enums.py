@@ -233,9 +233,11 @@ class EndSource(_Choice):
 
     #: The extreme point completed over the mask.
     EXTREME = 0
-    #: Where the lines along the surface leave the mask.
+    #: Where the lines along the surface leave the mask, or where within the mask the depth shows that the body ends: at a
+    #: cap, an opening, a shoulder or a narrower part. Also where the image shows an arc that is less certain than that.
     MASK = 1
-    #: The arc of the end circle in the image.
+    #: Mostly the arc of the end circle in the image: it is joined with mask and depth by the variances, and is the more
+    #: certain.
     IMAGE = 2
     #: The last of the surface inside the border of the image.
     BORDER = 3

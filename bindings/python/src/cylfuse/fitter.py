@@ -188,9 +188,9 @@ class Fitter(Questions, Calling):
     ) -> None:
         """Adds the points of a depth image of uint16 or float32, rows x columns with any strides: z = value *
         ``scale``, the length of one unit of it, 1 for float depth where it is left out, and needed for uint16. It is read
-        in place; float64 is converted. ``mask`` (bool or uint8) marks the cylinder, or the whole
-        object, where it is not 0, or where it is ``label``: see :func:`fit`. Both are kept for completion and extent. Depths below ``min_depth`` or above
-        ``max_depth`` become no points; the extent is found with all."""
+        in place; float64 is converted. ``mask`` (bool or uint8) marks the cylinder, or the whole object, where it is not 0,
+        or where it is ``label``: see :func:`fit`. Both are kept for completion and extent. Depths below ``min_depth`` or
+        above ``max_depth`` become no points; the extent is found with all."""
         view, mask_view = _arrays.depth_view(depth, scale, min_depth, max_depth), _arrays.mask_view(mask, label)
         self._call(lib.cylfuse_fitter_push_depth, byref(view), _optional(mask_view), changes=True)
 
