@@ -90,7 +90,7 @@ const (
 type ExtentRule int32
 
 const (
-	// ExtentRuleAuto is ExtentRuleLocated for ObjectiveRobust, else ExtentRuleExtremes.
+	// ExtentRuleAuto is ExtentRuleLocated for MethodFused with ObjectiveRobust, ExtentRuleExtremes otherwise.
 	ExtentRuleAuto ExtentRule = C.CYLFUSE_EXTENT_RULE_AUTO
 	// ExtentRuleExtremes is the rule of the paper: the extreme positions along the axis of the completed points.
 	ExtentRuleExtremes ExtentRule = C.CYLFUSE_EXTENT_RULE_EXTREMES

@@ -89,7 +89,7 @@ enum class EdgeUse : cylfuse_edge_use {
     AsGiven = CYLFUSE_EDGE_USE_AS_GIVEN,
 };
 
-/** How the ends of the visible cylinder are found. */
+/** How the ends of the visible cylinder are found in a mask. */
 enum class ExtentRule : cylfuse_extent_rule {
     Auto = CYLFUSE_EXTENT_RULE_AUTO,
     Extremes = CYLFUSE_EXTENT_RULE_EXTREMES,

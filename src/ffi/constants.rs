@@ -281,7 +281,7 @@ impl cylfuse_image_use {
 pub struct cylfuse_extent_rule(pub i32);
 
 impl cylfuse_extent_rule {
-    /// LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED.
+    /// LOCATED for the method FUSED with the objective ROBUST, EXTREMES otherwise.
     pub const AUTO: cylfuse_extent_rule = cylfuse_extent_rule(0);
     /// The rule of the paper: the extreme positions along the axis of the points completed over the mask.
     pub const EXTREMES: cylfuse_extent_rule = cylfuse_extent_rule(1);

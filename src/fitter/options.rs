@@ -98,7 +98,7 @@ pub enum EdgeUse {
 /// How the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points on the surface tell them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ExtentRule {
-    /// `Located` for the robust objective, `Extremes` for the paper's and for the methods other than fused.
+    /// `Located` for the method `Fused` with the objective `Robust`, `Extremes` otherwise.
     #[default]
     Auto,
     /// The paper's rule: the extreme positions along the axis of the points completed over the mask.

@@ -142,8 +142,7 @@ namespace Cylfuse
     /// on the surface tell them.</summary>
     public enum ExtentRule
     {
-        /// <summary>Located for the objective Robust, Extremes for Paper and for the methods other than
-        /// Fused.</summary>
+        /// <summary>Located for the method Fused with the objective Robust, Extremes otherwise.</summary>
         Auto = 0,
         /// <summary>The rule of the paper: the extreme positions along the axis of the points completed over the
         /// mask.</summary>

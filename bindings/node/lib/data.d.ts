@@ -46,7 +46,11 @@ export interface Options {
   chart?: 'auto' | 'local' | 'orthonormal';
   /** What edge segments are for robust: default refine, a start for limbs located in the image; or the measurement. */
   edgeUse?: 'refine' | 'as-given';
-  /** How the ends of the visible cylinder are found. Default auto. */
+  /**
+   * How the ends of the visible cylinder are found in a mask. extremes: the rule of the paper, the extreme positions along the
+   * axis of the points completed over the mask. located: from all lines along the surface together, in the mask and, when
+   * there is one, in the image. Default auto: located for the method `fused` with the objective `robust`, extremes otherwise.
+   */
   extentRule?: 'auto' | 'extremes' | 'located';
   /** Most threads; the result has the same bits for any number. Default 1: no thread is started. */
   maxThreads?: number;
@@ -58,7 +62,10 @@ export interface Options {
    * Ends where the cosine of the angle between the residuals and what a step can change is not above it. Default 2^-52.
    */
   gradientTolerance?: number;
-  /** Ends with a step that moves the surface by not more than this part of the size of the data. Default 2^-52. */
+  /**
+   * Ends with a step that moves the surface at the data by not more than this part of their largest coordinate and of their
+   * size, in [0, 1). Default 2^-52.
+   */
   stepTolerance?: number;
   /** Damping of the first step, greater than 0. Default 1e-3. */
   initialLambda?: number;

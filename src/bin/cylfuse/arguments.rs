@@ -106,11 +106,11 @@ pub struct FitArguments {
     pub no_edges: bool,
 
     /// Use the edge segments as measurements: do not locate the limbs in the image, only the ends. The paper's objective
-    /// always does so, and takes the extremes of the mask for the ends.
+    /// always does so, and by default takes the extremes of the mask for the ends.
     #[arg(long, conflicts_with = "no_edges", help_heading = "Estimation")]
     pub edges_as_given: bool,
 
-    /// How to find the ends of the visible cylinder.
+    /// How to find the ends of the visible cylinder in a mask.
     #[arg(long, value_enum, default_value_t = ExtentName::Auto, help_heading = "Estimation")]
     pub extent_rule: ExtentName,
 
@@ -227,11 +227,11 @@ pub enum ChartName {
 /// [`ExtentRule`] by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ExtentName {
-    /// Located for the robust objective, extremes otherwise
+    /// Located for the method fused with the objective robust, extremes otherwise
     Auto,
-    /// The paper's rule: the extreme completed points of the mask
+    /// The paper's rule: the extreme positions along the axis of the points completed over the mask
     Extremes,
-    /// Located along the whole end, in the mask and the image
+    /// From all lines along the surface together, in the mask and, when there is one, in the image
     Located,
 }
 

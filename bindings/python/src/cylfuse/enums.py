@@ -141,7 +141,7 @@ class EdgeUse(_Choice):
 
     #: A start: where there is an image, the limbs are located in it and join the fit.
     REFINE = 0
-    #: The measurement: no limbs are looked for in the image.
+    #: The measurement: no limbs are looked for in the image. The arcs of the ends are.
     AS_GIVEN = 1
 
 
@@ -149,7 +149,7 @@ class ExtentRule(_Choice):
     """How the ends of the visible cylinder are found in a mask. Without one, and from inside a pipe, the points on the
     surface tell them."""
 
-    #: LOCATED for the objective ROBUST, EXTREMES for all else.
+    #: LOCATED for the method FUSED with the objective ROBUST, EXTREMES otherwise.
     AUTO = 0
     #: The rule of the paper: the extreme positions along the axis of the points completed over the mask.
     EXTREMES = 1

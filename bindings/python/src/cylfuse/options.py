@@ -50,9 +50,11 @@ class Options:
     max_iterations: int = 400
     #: Smallest relative decrease of the cost that counts as progress; 0 = iterate until nothing decreases.
     cost_tolerance: float = 1e-12
-    #: The iteration ends at a gradient of not more than this part of what the residuals could give.
+    #: The iteration ends where the cosine of the angle between the residuals and what a step can change of them is not
+    #: above this, in [0, 1).
     gradient_tolerance: float = 2.0**-52
-    #: The iteration ends at a step of not more than this part of the distance of the data from the origin.
+    #: The iteration ends with a step that moves the surface at the data by not more than this part of their largest
+    #: coordinate and of their size, in [0, 1).
     step_tolerance: float = 2.0**-52
     #: Damping of the first step.
     initial_lambda: float = 1e-3

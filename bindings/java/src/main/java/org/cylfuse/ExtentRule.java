@@ -5,7 +5,7 @@ package org.cylfuse;
  * them.
  */
 public enum ExtentRule implements NativeNumber {
-    /** LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED. */
+    /** LOCATED for the method FUSED with the objective ROBUST, EXTREMES otherwise. */
     AUTO(0),
     /** The rule of the paper: the extreme positions along the axis of the points completed over the mask. */
     EXTREMES(1),
