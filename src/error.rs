@@ -75,7 +75,8 @@ pub enum Error {
         /// How much was asked for.
         bytes: usize,
     },
-    /// Fewer usable points than a cylinder has degrees of freedom.
+    /// Too few usable points. A fit needs 5, as many as a cylinder has degrees of freedom; a plan needs 8 points with
+    /// independent noise.
     #[error(
         "{usable} of {given} points are usable{left_out} but a cylinder needs at least {needed}; {remedy}"
     )]

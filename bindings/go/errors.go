@@ -36,7 +36,8 @@ const (
 	StatusSizeMismatch Status = C.CYLFUSE_STATUS_SIZE_MISMATCH
 	// StatusInvalidIntrinsics: no camera works with these intrinsics.
 	StatusInvalidIntrinsics Status = C.CYLFUSE_STATUS_INVALID_INTRINSICS
-	// StatusTooFewPoints: fewer usable points than a cylinder has degrees of freedom.
+	// StatusTooFewPoints: too few usable points. A fit needs 5, as many as a cylinder has degrees of freedom; a plan needs 8
+	// points with independent noise.
 	StatusTooFewPoints Status = C.CYLFUSE_STATUS_TOO_FEW_POINTS
 	// StatusPlanarPoints: the points are as flat as a plane.
 	StatusPlanarPoints Status = C.CYLFUSE_STATUS_PLANAR_POINTS

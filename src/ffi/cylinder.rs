@@ -130,8 +130,8 @@ pub unsafe extern "C" fn cylfuse_cylinder_compare(
 /// @param out_scatter room for 4 doubles: the standard deviations of captures of one scene about each other, of radius,
 ///   direction (radians), position of the axis and length; NaN for the length where an end lies outside the image
 /// @param out_total room for 4 doubles: the same of a measurement about the truth, which is what a fit states
-/// @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder, NUMERICAL where the view
-///   does not determine it, STRUCT_SIZE; nothing is written then
+/// @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when the pixels that see the cylinder are worth fewer than 8
+///   points with independent noise, NUMERICAL where the view does not determine it, STRUCT_SIZE; nothing is written then
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_plan(
     intrinsics: *const cylfuse_intrinsics,

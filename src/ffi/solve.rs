@@ -173,8 +173,8 @@ fn log_result(log: &Log, result: &FitResult) {
 /// @param fitter the fitter
 /// @param out_result where the result goes; `cylfuse_result_init` comes before. May be NULL.
 /// @param out_estimate where the cylinder goes; `cylfuse_cylinder_estimate_init` comes before. May be NULL.
-/// @return TOO_FEW_POINTS, PLANAR_POINTS, COLLINEAR_POINTS, NO_START, NUMERICAL when the data do not determine a
-///   cylinder; UNSUPPORTED, BAD_STATE, EDGE_GEOMETRY when they do not go with the options; OUT_OF_MEMORY; CANCELLED.
+/// @return TOO_FEW_POINTS for fewer than 5 usable points, PLANAR_POINTS, COLLINEAR_POINTS, NO_START, NUMERICAL when the data
+///   do not determine a cylinder; UNSUPPORTED, BAD_STATE, EDGE_GEOMETRY when they do not go with the options; OUT_OF_MEMORY; CANCELLED.
 ///   The last result stays then. Lack of convergence and other warnings are not errors but fields of the result.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn cylfuse_fitter_fit(

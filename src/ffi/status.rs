@@ -40,7 +40,8 @@ impl cylfuse_status {
     pub const SIZE_MISMATCH: cylfuse_status = cylfuse_status(-10);
     /// No camera works with these intrinsics.
     pub const INVALID_INTRINSICS: cylfuse_status = cylfuse_status(-11);
-    /// Fewer usable points than a cylinder has degrees of freedom.
+    /// Too few usable points. A fit needs 5, as many as a cylinder has degrees of freedom; a plan needs 8 points with
+    /// independent noise.
     pub const TOO_FEW_POINTS: cylfuse_status = cylfuse_status(-20);
     /// The points are as flat as a plane.
     pub const PLANAR_POINTS: cylfuse_status = cylfuse_status(-21);

@@ -88,8 +88,8 @@ impl Plan {
     /// The standard deviations to be expected of a fit with a mask and an image.
     ///
     /// # Errors
-    /// `InvalidArgument` for a value out of range, `TooFewPoints` when too few pixels see the surface, `Numerical` where the view
-    /// does not determine the cylinder.
+    /// `InvalidArgument` for a value out of range, `TooFewPoints` when the pixels that see the surface are worth fewer than 8
+    /// points with independent noise, `Numerical` where the view does not determine the cylinder.
     pub fn expected(&self) -> Result<Expected> {
         self.check()?;
         let cylinder = self.cylinder()?;

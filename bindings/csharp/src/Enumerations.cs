@@ -36,7 +36,8 @@ namespace Cylfuse
         SizeMismatch = -10,
         /// <summary>No camera works with these intrinsics.</summary>
         InvalidIntrinsics = -11,
-        /// <summary>Fewer usable points than a cylinder has degrees of freedom.</summary>
+        /// <summary>Too few usable points. A fit needs 5, as many as a cylinder has degrees of freedom; a plan needs 8 points
+        /// with independent noise.</summary>
         TooFewPoints = -20,
         /// <summary>The points are as flat as a plane.</summary>
         PlanarPoints = -21,

@@ -27,8 +27,8 @@ namespace Cylfuse
         public double[] Noise { get; set; }
 
         /// <summary>The standard deviations to be expected of a camera.</summary>
-        /// <exception cref="CylfuseException">A number is out of range (InvalidArgument, InvalidIntrinsics), or too few
-        /// pixels see the cylinder (TooFewPoints).</exception>
+        /// <exception cref="CylfuseException">A number is out of range (InvalidArgument, InvalidIntrinsics), or the
+        /// pixels that see the cylinder are worth fewer than 8 points with independent noise (TooFewPoints).</exception>
         public unsafe Expectation Expect(Intrinsics intrinsics)
         {
             if (intrinsics == null) throw new ArgumentNullException(nameof(intrinsics));

@@ -94,7 +94,8 @@ class DataError(CylfuseError):
 
 
 class TooFewPointsError(DataError):
-    """Fewer usable points than a cylinder has degrees of freedom."""
+    """Too few usable points. A fit needs 5, as many as a cylinder has degrees of freedom; a plan needs 8 points with
+    independent noise."""
 
     status = -20
 

@@ -40,8 +40,8 @@ public record Plan(double distance, double radius, double length, double tilt, d
      *
      * @param intrinsics the camera
      * @return the standard deviations
-     * @throws CylfuseException INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder,
-     *     NUMERICAL where the view does not determine it
+     * @throws CylfuseException INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when the pixels that see the cylinder are
+     *     worth fewer than 8 points with independent noise, NUMERICAL where the view does not determine it
      */
     public Expectation expect(Intrinsics intrinsics) {
         return expected(intrinsics, null);
@@ -55,8 +55,8 @@ public record Plan(double distance, double radius, double length, double tilt, d
      *     that share it, at least 1; the noise of a pixel of the image as a part of the step of brightness at limbs and ends;
      *     the blur of the image in pixels
      * @return the standard deviations
-     * @throws CylfuseException INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder,
-     *     NUMERICAL where the view does not determine it
+     * @throws CylfuseException INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when the pixels that see the cylinder are
+     *     worth fewer than 8 points with independent noise, NUMERICAL where the view does not determine it
      */
     public Expectation expect(Intrinsics intrinsics, double[] noise) {
         if (Objects.requireNonNull(noise, "noise").length != 6) {

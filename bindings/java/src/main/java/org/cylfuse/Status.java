@@ -39,7 +39,10 @@ public enum Status {
     SIZE_MISMATCH(-10),
     /** No camera works with these intrinsics. */
     INVALID_INTRINSICS(-11),
-    /** Fewer usable points than a cylinder has degrees of freedom. */
+    /**
+     * Too few usable points. A fit needs 5, as many as a cylinder has degrees of freedom; a plan needs 8 points with
+     * independent noise.
+     */
     TOO_FEW_POINTS(-20),
     /** The points are as flat as a plane. */
     PLANAR_POINTS(-21),
