@@ -33,7 +33,8 @@ pub enum Error {
     },
     /// Two images that share one pixel grid have different sizes.
     #[error(
-        "{name} is {width} x {height} but {other} is {other_width} x {other_height}; both must have the same size"
+        "{name} is {width} x {height} but {other} is {other_width} x {other_height}; both must have the same size: {}",
+        to_one_size(name, other)
     )]
     SizeMismatch {
         /// The image that was given.
@@ -68,7 +69,9 @@ pub enum Error {
         remedy: &'static str,
     },
     /// Memory for the data could not be allocated.
-    #[error("out of memory: {bytes} bytes for {what} could not be allocated")]
+    #[error(
+        "out of memory: {bytes} bytes for {what} could not be allocated; pass less data at once, or free memory"
+    )]
     OutOfMemory {
         /// What the memory was for.
         what: &'static str,
@@ -270,6 +273,18 @@ impl Error {
             Error::Numerical { .. } => "NUMERICAL",
             Error::Cancelled { .. } => "CANCELLED",
         }
+    }
+}
+
+/// How two images come to have one size.
+fn to_one_size(name: &str, other: &str) -> &'static str {
+    let either = |what: &str| name.contains(what) || other.contains(what);
+    if either("mask") {
+        "scale the mask"
+    } else if either("depth image") && either("intrinsics") {
+        "register the depth to the image, or set the camera of the depth"
+    } else {
+        "scale the image, or set the intrinsics for its size"
     }
 }
 

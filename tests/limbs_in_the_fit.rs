@@ -223,7 +223,8 @@ fn an_image_of_another_size_is_refused() {
     let error = fitter.push_image(&ImageView::from_u8(&[0; 6], (3, 2)).unwrap()).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "image is 3 x 2 but the image of the intrinsics is 640 x 480; both must have the same size"
+        "image is 3 x 2 but the image of the intrinsics is 640 x 480; both must have the same size: scale the image, or set \
+         the intrinsics for its size"
     );
 }
 

@@ -308,7 +308,7 @@ fn empty_masks_empty_depth_and_wrong_sizes_are_errors_of_their_own() {
     let error = fitter.push_depth(&whole, Some(&small_mask), &range).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "mask is 320 x 240 but depth image is 640 x 480; both must have the same size"
+        "mask is 320 x 240 but depth image is 640 x 480; both must have the same size: scale the mask"
     );
     let small = DepthView::from_u16(&depth[..320 * 240], (320, 240), 1e-4).unwrap();
     let error = fitter.push_depth(&small, None, &range).unwrap_err();

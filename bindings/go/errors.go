@@ -28,7 +28,7 @@ const (
 	StatusBusy Status = C.CYLFUSE_STATUS_BUSY
 	// StatusBufferTooSmall: a buffer for an output is too small.
 	StatusBufferTooSmall Status = C.CYLFUSE_STATUS_BUFFER_TOO_SMALL
-	// StatusOutOfMemory: memory could not be allocated.
+	// StatusOutOfMemory: memory could not be allocated. Pass less data at once, or free memory.
 	StatusOutOfMemory Status = C.CYLFUSE_STATUS_OUT_OF_MEMORY
 	// StatusUnsupported: not supported with these options or data.
 	StatusUnsupported Status = C.CYLFUSE_STATUS_UNSUPPORTED

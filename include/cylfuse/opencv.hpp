@@ -62,7 +62,7 @@ inline void check_size(const cv::Mat &image, const char *what, const cylfuse_int
                     (std::string(what) + " is " + std::to_string(image.cols) + " x " +
                      std::to_string(image.rows) + " but the intrinsics are for " +
                      std::to_string(intrinsics.width) + " x " + std::to_string(intrinsics.height) +
-                     "; both must have the same size")
+                     "; both must have the same size: scale the image, or give the intrinsics for its size")
                         .c_str());
     }
 }

@@ -32,7 +32,7 @@ impl cylfuse_status {
     pub const BUSY: cylfuse_status = cylfuse_status(-6);
     /// The buffer for the output is too small; the call says how much it needs and writes nothing else.
     pub const BUFFER_TOO_SMALL: cylfuse_status = cylfuse_status(-7);
-    /// Memory could not be allocated.
+    /// Memory could not be allocated: pass less data at once, or free memory.
     pub const OUT_OF_MEMORY: cylfuse_status = cylfuse_status(-8);
     /// Not supported with these options or data.
     pub const UNSUPPORTED: cylfuse_status = cylfuse_status(-9);

@@ -289,7 +289,10 @@ mod tests {
         assert_eq!(first.extended(2, |_| true).bounds(), (0..3, 0..1));
         assert!(mask.contains(1, 0) && !mask.contains(1, 1) && !mask.contains(3, 0));
         let error = mask.check_size("depth image", (3, 3)).unwrap_err();
-        assert_eq!(error.to_string(), "mask is 3 x 2 but depth image is 3 x 3; both must have the same size");
+        assert_eq!(
+            error.to_string(),
+            "mask is 3 x 2 but depth image is 3 x 3; both must have the same size: scale the mask"
+        );
     }
 
     #[test]

@@ -28,7 +28,7 @@ namespace Cylfuse
         /// <summary>The buffer for the output is too small; the call says how much it needs and writes nothing
         /// else.</summary>
         BufferTooSmall = -7,
-        /// <summary>Memory could not be allocated.</summary>
+        /// <summary>Memory could not be allocated: pass less data at once, or free memory.</summary>
         OutOfMemory = -8,
         /// <summary>Not supported with these options or data.</summary>
         Unsupported = -9,

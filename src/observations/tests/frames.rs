@@ -130,28 +130,30 @@ fn images_of_one_frame_have_the_sizes_of_their_cameras() {
 
     frame.set_camera(small()).unwrap();
     let both = "both must have the same size";
+    let register = "register the depth to the image, or set the camera of the depth";
+    let scale = "scale the image, or set the intrinsics for its size";
     assert_eq!(
         text(frame.set_depth(&of_size((8, 6)), &all)),
-        format!("depth image is 8 x 6 but the image of the intrinsics is 4 x 3; {both}")
+        format!("depth image is 8 x 6 but the image of the intrinsics is 4 x 3; {both}: {register}")
     );
     assert_eq!(
         text(frame.set_image(&image((8, 6)))),
-        format!("image is 8 x 6 but the image of the intrinsics is 4 x 3; {both}")
+        format!("image is 8 x 6 but the image of the intrinsics is 4 x 3; {both}: {scale}")
     );
     frame.set_depth(&of_size((4, 3)), &all).unwrap();
     frame.set_image(&image((4, 3))).unwrap();
     assert_eq!(
         text(frame.set_camera(large())),
-        format!("the image of the intrinsics is 8 x 6 but image is 4 x 3; {both}")
+        format!("the image of the intrinsics is 8 x 6 but image is 4 x 3; {both}: {scale}")
     );
     frame.clear_image();
     assert_eq!(
         text(frame.set_camera(large())),
-        format!("the image of the intrinsics is 8 x 6 but depth image is 4 x 3; {both}")
+        format!("the image of the intrinsics is 8 x 6 but depth image is 4 x 3; {both}: {register}")
     );
     assert_eq!(
         text(frame.set_depth_camera(own(large()))),
-        format!("the image of the depth camera is 8 x 6 but depth image is 4 x 3; {both}")
+        format!("the image of the depth camera is 8 x 6 but depth image is 4 x 3; {both}: {scale}")
     );
     assert!(frame.depth_camera().is_none() && frame.camera().unwrap().size() == (4, 3));
     frame.set_depth_camera(own(small())).unwrap();
@@ -161,15 +163,15 @@ fn images_of_one_frame_have_the_sizes_of_their_cameras() {
     assert_eq!(frame.depth().unwrap().size(), (4, 3));
     assert_eq!(
         text(frame.set_depth_camera(None)),
-        format!("the image of the intrinsics is 8 x 6 but depth image is 4 x 3; {both}")
+        format!("the image of the intrinsics is 8 x 6 but depth image is 4 x 3; {both}: {register}")
     );
     assert_eq!(
         text(PointCloud::default().push_frame(&frame, Some(&mask))),
-        format!("mask is 4 x 3 but the image of the intrinsics is 8 x 6; {both}")
+        format!("mask is 4 x 3 but the image of the intrinsics is 8 x 6; {both}: scale the mask")
     );
     assert_eq!(
         text(frame.set_depth(&of_size((8, 6)), &all)),
-        format!("depth image is 8 x 6 but the image of the depth camera is 4 x 3; {both}")
+        format!("depth image is 8 x 6 but the image of the depth camera is 4 x 3; {both}: {scale}")
     );
     let bad = DepthRange { min: 2.0, max: 1.0 };
     assert!(text(frame.set_depth(&of_size((4, 3)), &bad)).starts_with("maximal depth is 1"));

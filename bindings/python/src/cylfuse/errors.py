@@ -66,7 +66,7 @@ class BusyError(CylfuseError):
 
 
 class OutOfMemoryError(CylfuseError, MemoryError):
-    """Memory could not be allocated."""
+    """Memory could not be allocated: pass less data at once, or free memory."""
 
     status = -8
 

@@ -31,7 +31,7 @@ public enum Status {
     BUSY(-6),
     /** The buffer for the output is too small; the call says how much it needs and writes nothing else. */
     BUFFER_TOO_SMALL(-7),
-    /** Memory could not be allocated. */
+    /** Memory could not be allocated: pass less data at once, or free memory. */
     OUT_OF_MEMORY(-8),
     /** Not supported with these options or data. */
     UNSUPPORTED(-9),
