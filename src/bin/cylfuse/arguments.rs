@@ -165,8 +165,12 @@ const FRAME_FORMAT: &str = "Frame files are JSON, with paths relative to the fil
   views              several views of the cylinder, { \"views\": [{ ... }, { ... }] }: a list of
                      objects like the one above, in place of it, each with its pose
 
-Without a mask all measured pixels are fitted, including the background, and the ends are those of the
-points on the cylinder.";
+Without a mask, all measured pixels are given to the fit, including the background. With the default
+method, objective and start, a single view and no edges, the fit searches them for a cylinder, and takes
+the likely one that has most of them; a warning tells where these are few. Otherwise, or where it finds
+none, all are fitted. With an image, the outline of the fitted pixels then serves as the mask; without
+one, the ends are those of the points on the cylinder. There is no completion. A mask is more accurate.
+To find every cylinder of a frame use cylfuse detect.";
 
 /// `cylfuse demo`.
 #[derive(Debug, Args)]

@@ -168,13 +168,13 @@ impl Measurement {
         let mut notes = Vec::new();
         if views.iter().all(without) {
             notes.push(format!(
-                "no mask: all {} measured pixels are fitted, including the background, and there is no completion",
+                "no mask: {} measured pixels were fitted, which may include the background, and there is no completion",
                 self.result.points_used
             ));
         } else {
             for index in (0..views.len()).filter(|&index| without(&views[index])) {
                 notes.push(format!(
-                    "no mask in view {index}: all its measured pixels are fitted, including the background"
+                    "no mask in view {index}: the pixels that were fitted may include the background"
                 ));
             }
         }

@@ -45,7 +45,7 @@ impl ViewValues {
 pub enum Fitted {
     /// The measured pixels of the mask.
     Mask,
-    /// All measured pixels of a frame without a mask.
+    /// The measured pixels of a frame without a mask: all, or those of the cylinder that a search found.
     AllMeasuredPixels,
     /// A bare point cloud.
     Cloud,
