@@ -122,7 +122,7 @@ pub struct NoiseModel {
     pub depth_shared: f64,
     /// The values of the grey image, in the unit of the image linear in light; 0 = from differences of neighbours.
     pub image: f64,
-    /// The blur of the grey image, the standard deviation of a Gauss curve in pixels of the image; 0 = from its edges.
+    /// The blur of the grey image, the standard deviation of a Gaussian in pixels of the image; 0 = from its edges.
     pub blur: f64,
 }
 

@@ -156,7 +156,7 @@ type Options struct {
 	// MaskNoise is the standard deviation of a side of the mask as a whole across its limb, in drawn pixels. Default 0 =
 	// 1.6, that of masks drawn by hand.
 	MaskNoise float64
-	// ImageBlur is the blur of the image, the standard deviation of a Gauss curve in pixels. Default 0 = from the image.
+	// ImageBlur is the blur of the image, the standard deviation of a Gaussian in pixels. Default 0 = from the image.
 	ImageBlur float64
 	// DrawnPixel is the size of a pixel of the drawing in which edges and masks were made, in pixels of the image. Default
 	// 0 = 1 up to 640 x 480 pixels, beyond that the square root of how many times as many pixels the image has.

@@ -217,7 +217,7 @@ fn ends_take_no_longer_however_far_or_fine_the_mask_may_be_drawn() {
     }
 }
 
-/// The image blurred by a Gauss curve of a standard deviation of one pixel.
+/// The image blurred by a Gaussian of a standard deviation of one pixel.
 fn blurred(image: &[f32]) -> Vec<f32> {
     let weight = |k: i64| (-0.5 * (k * k) as f64).exp();
     let weights: f64 = (-4..=4).map(weight).sum();

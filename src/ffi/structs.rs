@@ -286,7 +286,7 @@ pub struct cylfuse_options {
     /// Standard deviation of a side of the mask as a whole across its limb, in drawn pixels, 0 or greater. Default 0 =
     /// 1.6, that of masks drawn by hand; at most as `edge_noise`.
     pub mask_noise: f64,
-    /// Blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 = from the image.
+    /// Blur of the image, the standard deviation of a Gaussian in pixels, 0 or greater. Default 0 = from the image.
     pub image_blur: f64,
     /// Size of a pixel of the drawing in which edges and masks were made, in pixels of the image, 0 or greater: people
     /// and networks draw on a grid of some hundred columns, whatever the size of the image. Default 0 = 1 up to

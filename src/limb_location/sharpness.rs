@@ -10,7 +10,7 @@ use crate::memory::List;
 use crate::statistics::dot;
 
 constants! {
-    /// From here on the limbs are looked for on a coarser grid. A Gauss curve of 1.8 pixels has as much, and an even smear of five
+    /// From here on the limbs are looked for on a coarser grid. A Gaussian of 1.8 pixels has as much, and an even smear of five
     /// pixels with the blur of a lens; sharp images of bodies that are not small have less.
     pub(super) BLURRED = 0.5, "";
 

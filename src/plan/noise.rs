@@ -85,7 +85,7 @@ pub struct StepNoise {
     pub limbs: [f64; 2],
     /// At each end, the standard deviation of a pixel as a part of the step of brightness. Where the tilt is positive the first end is the nearer one.
     pub ends: [f64; 2],
-    /// Blur of lens and focus, the standard deviation of a Gauss curve in pixels. The default is 0.7.
+    /// Blur of lens and focus, the standard deviation of a Gaussian in pixels. The default is 0.7.
     pub blur: f64,
 }
 

@@ -94,7 +94,7 @@ namespace Cylfuse
         /// Default 0 = 1.6, that of masks drawn by hand.</summary>
         public double MaskNoise { get => native.mask_noise; set => native.mask_noise = value; }
 
-        /// <summary>Blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 =
+        /// <summary>Blur of the image, the standard deviation of a Gaussian in pixels, 0 or greater. Default 0 =
         /// from the image.</summary>
         public double ImageBlur { get => native.image_blur; set => native.image_blur = value; }
 

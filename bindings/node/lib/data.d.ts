@@ -91,7 +91,7 @@ export interface Options {
   edgeNoise?: number;
   /** Standard deviation of a side of the mask as a whole across its limb, in drawn pixels. Default 0 = 1.6. */
   maskNoise?: number;
-  /** Blur of the image, the standard deviation of a Gauss curve in pixels. Default 0 = from the image. */
+  /** Blur of the image, the standard deviation of a Gaussian in pixels. Default 0 = from the image. */
   imageBlur?: number;
   /**
    * Size of a pixel of the drawing in which edges and masks were made, in pixels of the image. Default 0 = 1 up to

@@ -212,7 +212,7 @@ impl WithSimd for Step<'_> {
     }
 }
 
-/// A step blurred by a Gauss curve, the normal distribution function, at the samples of a window: the same numbers
+/// A step blurred by a Gaussian, the normal distribution function, at the samples of a window: the same numbers
 /// for all edges that lie at one position between two samples.
 #[derive(Debug, Clone)]
 pub(super) struct Steps {

@@ -80,7 +80,7 @@ class Options:
     edge_noise: float = 0.0
     #: Standard deviation of a side of the mask across its limb, in drawn pixels; 0 = that of masks drawn by hand.
     mask_noise: float = 0.0
-    #: Blur of the image, the standard deviation of a Gauss curve in pixels; 0 = from the image.
+    #: Blur of the image, the standard deviation of a Gaussian in pixels; 0 = from the image.
     image_blur: float = 0.0
     #: Size of a pixel of the drawing in which edges and masks were made, in pixels of the image; 0 = by its size.
     drawn_pixel: float = 0.0

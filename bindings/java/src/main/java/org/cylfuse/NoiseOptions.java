@@ -104,7 +104,7 @@ abstract sealed class NoiseOptions permits FitOptions {
     }
 
     /**
-     * {@return the blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 = from
+     * {@return the blur of the image, the standard deviation of a Gaussian in pixels, 0 or greater. Default 0 = from
      * the image}
      */
     public double imageBlur() {
