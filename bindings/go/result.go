@@ -65,7 +65,9 @@ const (
 	// FlagAxisAtLimit: the axis is on the border of its cone, or the data contradict a known direction by more than 4
 	// deviations.
 	FlagAxisAtLimit Flags = C.CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT
-	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, deviations and covariance are NaN.
+	// FlagUncertaintyUnknown: the data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer
+	// than eight points are independent, some degree of freedom is not determined, the coordinates are coarser than the
+	// noise, or most points lie on the cylinder to the last digit and more than a tenth do not.
 	FlagUncertaintyUnknown Flags = C.CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN
 	// FlagDepthShifted: depth and image are shifted against each other across the axis. Or one of the limbs is the edge of
 	// something else, and the radius is wrong. From a detector also: the whole depth image was shifted, and has been moved.
@@ -80,8 +82,9 @@ const (
 	// body is no cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.
 	FlagBodyTapers Flags = C.CYLFUSE_RESULT_FLAGS_BODY_TAPERS
 	// FlagMaskDisagrees: the mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and
-	// the deviation of the radius says; or no limb was seen, and the points contest the mask; or the mask holds another
-	// body.
+	// the deviation of the radius says; or no limb was seen, and the radii by the mask and by the points differ by more than
+	// 2.5 standard deviations, or the points would scatter 3 times as much if the mask were followed; or the mask holds
+	// another body.
 	FlagMaskDisagrees Flags = C.CYLFUSE_RESULT_FLAGS_MASK_DISAGREES
 )
 

@@ -265,8 +265,9 @@ impl cylfuse_result_flags {
     /// it by more than 4 standard deviations.
     pub const AXIS_AT_LIMIT: cylfuse_result_flags = cylfuse_result_flags(16384);
     /// The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
-    /// are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the
-    /// points.
+    /// are independent, some degree of freedom is not determined, the coordinates are coarser than the noise of the points
+    /// (RESOLUTION_LOST), or most points lie on the cylinder to the last digit and more than a tenth do not, as of a few
+    /// pixels of depth in coarse steps. Only with the methods FUSED and POINTS: the others never state an uncertainty.
     pub const UNCERTAINTY_UNKNOWN: cylfuse_result_flags = cylfuse_result_flags(32768);
     /// Depth and image are shifted against each other across the axis, by a wrong registration or wrong principal points:
     /// the points lie beside the middle of the limbs by more than 3 standard deviations. Or one of the limbs is the edge of
@@ -282,7 +283,8 @@ impl cylfuse_result_flags {
     /// camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
     /// Or what they leave has a shape along the axis that no cylinder has, as a bent pipe or a sphere does. Or they lie on two
     /// planes, as the sides of a box do. Or points without a mask lie on several surfaces: the cylinder has less than half
-    /// of those that are on no plane or less than a quarter of all, or a plane holds a quarter of its own.
+    /// of those that are on no plane or less than a quarter of all, or a plane holds a quarter of its own. Or they are off the
+    /// cylinder together by a twentieth of the radius: fewer than a fiftieth of them are independent.
     pub const POOR_FIT: cylfuse_result_flags = cylfuse_result_flags(262144);
     /// The lines that the image shows of both limbs turn against each other, so that the radius changes along the axis: by more
     /// than 3 standard deviations with 0.3 % of the length added for the lens. The body is no cylinder, or one of the lines
@@ -290,11 +292,14 @@ impl cylfuse_result_flags {
     /// than 3 standard deviations, and by a slope of the radius of more than 0.05.
     pub const BODY_TAPERS: cylfuse_result_flags = cylfuse_result_flags(524288);
     /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of an
-    /// image of 640 x 480), by more than 3 standard deviations of the radius, and not because something in front or the
-    /// border of the image ends it. Depth and image are misaligned, the depth is smeared beyond the body, or the mask holds
-    /// something else. Only where fewer than two limbs of a view were located or given. Or no limb was seen, and the points
-    /// contest the radius by the sides of the mask, or would scatter 3 times as much if these were followed. Or the mask
-    /// holds another body: more than a tenth of its pixels, without those beside its outline, have points outside of the
-    /// cylinder and of its lids and rings.
+    /// image of 640 x 480, or three times `mask_noise` where that is more), by more than 3 standard deviations of the radius,
+    /// and not because something in front or the border of the image ends it. Depth and image are misaligned, the depth is
+    /// smeared beyond the body, or the mask holds something else. Only where fewer than two limbs of a view were located or
+    /// given. Or no limb was seen, and the radius by the sides of the mask and that by the points differ by more than 2.5
+    /// standard deviations, or the points would scatter 3 times as much if the sides were followed. Or the mask holds another
+    /// body: more than a tenth of its pixels, without those beside its outline, have points outside of the cylinder and of its
+    /// lids and rings. Where an image but no mask was pushed, that is said of the points. The sides are not checked of a mask
+    /// that ends where the depth does (MASK_ENDS_WITH_DEPTH) or was made of the points. Nothing is checked of the region of a
+    /// detector, nor where the camera is inside the cylinder.
     pub const MASK_DISAGREES: cylfuse_result_flags = cylfuse_result_flags(1048576);
 }

@@ -50,7 +50,9 @@ bitflags::bitflags! {
         /// more than 4 standard deviations.
         const AXIS_AT_LIMIT = 1 << 14;
         /// The data do not tell how uncertain the result is: fewer than eight points are independent, some degree of
-        /// freedom is not determined, or the coordinates are coarser than the noise of the points.
+        /// freedom is not determined, the coordinates are coarser than the noise of the points, or most points lie on the
+        /// cylinder to the last digit and more than a tenth do not, as of a few pixels of depth in coarse steps. Only with the
+        /// methods fused and points: the others never state an uncertainty.
         const UNCERTAINTY_UNKNOWN = 1 << 15;
         /// Depth and image are shifted against each other across the axis by more than 3 standard deviations: see
         /// [`FitResult::shift`]. Or one of the limbs is the edge of something else, and the radius is wrong. From a detector also: the
@@ -65,18 +67,22 @@ bitflags::bitflags! {
         /// along the axis that no cylinder has: that of a pipe that is bent or a sphere, with 2 % of the radius and more
         /// and more than all that is left beside it. Or two planes, as of the sides of a box, leave at most half of the
         /// variance that a cylinder leaves. Or points without a mask lie on several surfaces, and the cylinder has less than half of
-        /// those on no plane or less than a quarter of all, or a plane holds a quarter of its own.
+        /// those on no plane or less than a quarter of all, or a plane holds a quarter of its own. Or they are off the cylinder together
+        /// by a twentieth of the radius: fewer than a fiftieth of them are independent.
         const POOR_FIT = 1 << 18;
         /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
         /// deviations of [`FitResult::taper`] with 0.3 % of the length added for the lens. The body is no cylinder, or one
         /// of the lines is no limb. Or, where fewer than two limbs were located or given, the sides of the mask converge: by more
         /// than 3 standard deviations, and by a slope of the radius of more than 0.05.
         const BODY_TAPERS = 1 << 19;
-        /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480),
-        /// by more than 3 standard deviations of the radius, and not because something in front or the border of the image
-        /// ends it. Only where fewer than two limbs were located or given. Or no limb was seen, and the points contest the radius by the
-        /// sides of the mask, or would scatter 3 times as much if these were followed. Or the mask holds another body: more than a tenth
-        /// of its pixels, without those beside its outline, have points outside of the cylinder and of its lids and rings.
+        /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480,
+        /// or three times the noise of masks where that is more), by more than 3 standard deviations of the radius, and not because
+        /// something in front or the border of the image ends it. Only where fewer than two limbs were located or given. Or no limb was
+        /// seen, and the radius by the sides of the mask and that by the points differ by more than 2.5 standard deviations, or the
+        /// points would scatter 3 times as much if the sides were followed. Or the mask holds another body: more than a tenth of its
+        /// pixels, without those beside its outline, have points outside of the cylinder and of its lids and rings. Where an image but
+        /// no mask was pushed, that is said of the points. The sides are not checked of a mask that ends where the depth does or was
+        /// made of the points. Nothing is checked of the region of a detector, nor where the camera is inside the cylinder.
         const MASK_DISAGREES = 1 << 20;
     }
 }

@@ -92,7 +92,8 @@ namespace Cylfuse
         /// data contradict it by more than 4 standard deviations.</summary>
         AxisAtLimit = 16384,
         /// <summary>The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than
-        /// eight points are independent, or some degree of freedom is not determined.</summary>
+        /// eight points are independent, some degree of freedom is not determined, the coordinates are coarser than the noise,
+        /// or most points lie on the cylinder to the last digit and more than a tenth do not.</summary>
         UncertaintyUnknown = 32768,
         /// <summary>Depth and image are shifted against each other across the axis, by a wrong registration or wrong
         /// principal points. Or one of the limbs is the edge of something else, and the radius is wrong. From a detector
@@ -109,8 +110,9 @@ namespace Cylfuse
         /// is no cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.</summary>
         BodyTapers = 524288,
         /// <summary>The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the
-        /// deviation of the radius says; or no limb was seen, and the points contest the mask; or the mask holds another
-        /// body.</summary>
+        /// deviation of the radius says; or no limb was seen, and the radii by the mask and by the points differ by more than
+        /// 2.5 standard deviations, or the points would scatter 3 times as much if the mask were followed; or the mask holds
+        /// another body.</summary>
         MaskDisagrees = 1048576,
     }
 

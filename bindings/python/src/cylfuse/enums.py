@@ -408,7 +408,9 @@ class ResultFlags(IntFlag):
     #: The axis is on the border of its cone, and the data fit better beyond it. Of a known direction: the data contradict
     #: it by more than 4 standard deviations.
     AXIS_AT_LIMIT = 16384
-    #: The data do not tell how uncertain the result is: deviations and covariance are NaN.
+    #: The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points are
+    #: independent, some degree of freedom is not determined, the coordinates are coarser than the noise, or most points lie
+    #: on the cylinder to the last digit and more than a tenth do not.
     UNCERTAINTY_UNKNOWN = 32768
     #: Depth and image are shifted against each other across the axis. Or one of the limbs is the edge of something
     #: else, and the radius is wrong. From a detector also: the whole depth image was shifted, and has been moved.
@@ -423,7 +425,8 @@ class ResultFlags(IntFlag):
     #: cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.
     BODY_TAPERS = 524288
     #: The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the deviation
-    #: of the radius says; or no limb was seen, and the points contest the mask; or the mask holds another body.
+    #: of the radius says; or no limb was seen, and the radii by the mask and by the points differ by more than 2.5 standard
+    #: deviations, or the points would scatter 3 times as much if the mask were followed; or the mask holds another body.
     MASK_DISAGREES = 1048576
 
     @property

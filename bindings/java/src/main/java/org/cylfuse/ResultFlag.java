@@ -55,7 +55,8 @@ public enum ResultFlag {
     AXIS_AT_LIMIT(16384),
     /**
      * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
-     * are independent, or some degree of freedom is not determined.
+     * are independent, some degree of freedom is not determined, the coordinates are coarser than the noise, or most points
+     * lie on the cylinder to the last digit and more than a tenth do not.
      */
     UNCERTAINTY_UNKNOWN(32768),
     /**
@@ -82,7 +83,8 @@ public enum ResultFlag {
     BODY_TAPERS(524288),
     /**
      * The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the deviation of
-     * the radius says; or no limb was seen, and the points contest the mask; or the mask holds another body.
+     * the radius says; or no limb was seen, and the radii by the mask and by the points differ by more than 2.5 standard
+     * deviations, or the points would scatter 3 times as much if the mask were followed; or the mask holds another body.
      */
     MASK_DISAGREES(1048576);
 
