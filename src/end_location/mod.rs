@@ -194,8 +194,8 @@ pub fn locate_ends(
     cylinder: &Cylinder,
     check: &mut dyn FnMut() -> ControlFlow<()>,
 ) -> ControlFlow<(), Option<[End; 2]>> {
-    let extreme_ends = |search| ControlFlow::Continue(extreme_ends(search, cylinder));
-    let Some(surface) = Surface::new(search.camera, cylinder) else { return extreme_ends(search) };
+    let at_extremes = |search| ControlFlow::Continue(extreme_ends(search, cylinder));
+    let Some(surface) = Surface::new(search.camera, cylinder) else { return at_extremes(search) };
     let parts = search.depth.filter(|_| search.content == MaskContent::Anything).and_then(|depth| {
         Parts::new(search.camera, depth, search.mask, cylinder, &search.noise)
             .filter(|parts| !parts.all_body())
@@ -203,11 +203,11 @@ pub fn locate_ends(
     check()?;
     // Without an end all of it is.
     let ended = parts.as_ref().filter(|parts| parts.ends.iter().any(Option::is_some));
-    let body = ended.and_then(|parts| parts.shown(search.camera, search.mask, Parts::within));
+    let shown = ended.and_then(|parts| parts.shown(search.camera, search.mask, Parts::within));
     let whole = search.mask;
-    let search = &EndSearch { mask: body.as_ref().unwrap_or(whole), ..*search };
+    let search = &EndSearch { mask: shown.as_ref().unwrap_or(whole), ..*search };
     let (told, collars) = parts.map_or_else(Default::default, |parts| (parts.ends, parts.collars));
-    let Some(extremes) = rough_extremes(search, cylinder) else { return extreme_ends(search) };
+    let Some(extremes) = rough_extremes(search, cylinder) else { return at_extremes(search) };
     check()?;
     // A region has the pixels that see the surface, which none beyond the limbs do.
     let has_bias = search.limbs_known && search.content != MaskContent::Region;
@@ -229,7 +229,7 @@ pub fn locate_ends(
     };
     let ends = [end(0)?, end(1)?];
     // Ends that have passed each other are none: a mask of scattered pixels has no boundary across the axis.
-    if ends[0].position < ends[1].position { ControlFlow::Continue(Some(ends)) } else { extreme_ends(search) }
+    if ends[0].position < ends[1].position { ControlFlow::Continue(Some(ends)) } else { at_extremes(search) }
 }
 
 /// The paper's rule: the extreme positions along the axis of the points completed over the mask. `None` when no ray

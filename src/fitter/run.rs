@@ -16,7 +16,7 @@ const ORDINARY_SOLVES: usize = 30;
 
 /// Points times solves that count as many, because a solve takes as long as there are points. Frames of depth cameras take up
 /// to 6.3 million, for which a hundred solves are always allowed.
-const MANY_VISITS: usize = 30_000_000;
+const MANY_POINT_SOLVES: usize = 30_000_000;
 const ALWAYS_ALLOWED: usize = 100;
 
 /// Most solves of a rough minimum once twice as many are spent: enough to tell it from a better one.
@@ -125,7 +125,7 @@ impl<'a> Run<'a> {
 /// Solves of one fit that are many.
 fn many_solves(data: &Data<'_>) -> usize {
     let points = data.views.iter().map(|view| view.points.count()).sum::<usize>().max(1);
-    (MANY_VISITS / points).clamp(ALWAYS_ALLOWED, MANY_SOLVES)
+    (MANY_POINT_SOLVES / points).clamp(ALWAYS_ALLOWED, MANY_SOLVES)
 }
 
 #[cfg(test)]
