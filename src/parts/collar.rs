@@ -84,15 +84,15 @@ pub(super) fn collars(
     let slices = Slices::new(camera, cylinder, apart, &depth)?;
     let depth = Profile::new(&slices, &depth, (LEAST_SIGHTS, median), DEPTH_FLOOR.get() * radius)?;
     let stretches = depth.raised(longest(&slices), least_step(radius), margin(&slices, radius));
-    let narrower = depth.clone().negated();
-    let lowered = lowered_at_end(&slices, [&depth, &narrower], &stretches, radius);
+    let negated = depth.clone().negated();
+    let lowered = lowered_at_end(&slices, [&depth, &negated], &stretches, radius);
     if stretches.is_empty() && lowered.is_none() {
         return None;
     }
     // Most bodies have no step that they are asked about.
     let steps = Steps::new(camera, mask, cylinder, slices, depth);
     if let Some(lowered) = lowered
-        && let Some(ends) = steps.ends_beside_narrower(&narrower, &lowered, ends)
+        && let Some(ends) = steps.ends_beside_narrower(&negated, &lowered, ends)
     {
         let of_body = collars(camera, mask, (sights, apart), cylinder, ends);
         return of_body.or_else(|| Some((List::new(), ends)));
@@ -121,7 +121,7 @@ fn depth_between([low, high]: [Option<f64>; 2], sights: &[Sight], cylinder: &Cyl
 /// depth is given as it is and negated.
 fn lowered_at_end(
     slices: &Slices,
-    [depth, narrower]: [&Profile; 2],
+    [depth, negated]: [&Profile; 2],
     stretches: &[Range<usize>],
     radius: f64,
 ) -> Option<Range<usize>> {
@@ -131,8 +131,8 @@ fn lowered_at_end(
     let raised =
         stretches.iter().filter(is_inside).map(|stretch| depth.explained(stretch)).fold(0.0, f64::max);
     let shortest = (NARROWER.get() * radius / slices.length) as usize + 1;
-    let lowered = narrower.raised_at_end(shortest..longest(slices) + 1, least_step(radius));
-    lowered.filter(|stretch| narrower.explained(stretch) > raised)
+    let lowered = negated.raised_at_end(shortest..longest(slices) + 1, least_step(radius));
+    lowered.filter(|stretch| negated.explained(stretch) > raised)
 }
 
 /// What tells whether a step of the depth is one of the body.
@@ -167,14 +167,14 @@ impl<'a> Steps<'a> {
         ((moved / self.slices.length) as usize).min(self.slices.count)
     }
 
-    /// The ends of the body where a stretch at one end is narrower than it; `None` where it is not.
+    /// The ends of the body where a stretch at one end is narrower than it, by the negated depth; `None` where it is not.
     fn ends_beside_narrower(
         &self,
-        narrower: &Profile,
+        negated: &Profile,
         lowered: &Range<usize>,
         [low, high]: [Option<f64>; 2],
     ) -> Option<[Option<f64>; 2]> {
-        let step = narrower.step(lowered)?;
+        let step = negated.step(lowered)?;
         let sides: List<Profile> = self.sides.iter().flatten().map(|side| side.clone().negated()).collect();
         let of_sides = step_of_sides(&sides, &self.slices, lowered, self.moved(step));
         let is_narrower = step.ratio() >= DEPTH_RATIO.get() && is_confirmed(step, of_sides, true);

@@ -198,15 +198,16 @@ impl Parts {
         ];
         let ends = beyond.map(|beyond| {
             let end = search.end(&beyond)?;
-            let pixel = depth.pixel().max(1.0) * pixel_length(camera, cylinder, end.position)?;
+            let pixel = depth_pixel_length(camera, depth, cylinder, end.position)?;
             Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], beyond.outward).unwrap_or(end))
         });
         let positions = ends.map(|end| Some(end?.position));
-        let (collars, narrower) =
+        let (collars, of_body) =
             collars(camera, mask, (&sights, stride), cylinder, positions).unwrap_or((List::new(), positions));
-        let ends = [0, 1].map(|k| match narrower[k] {
-            Some(position) if narrower[k] != positions[k] => {
-                let pixel = depth.pixel().max(1.0) * pixel_length(camera, cylinder, position)?;
+        let ends = [0, 1].map(|k| match of_body[k] {
+            // Something narrower follows.
+            Some(position) if of_body[k] != positions[k] => {
+                let pixel = depth_pixel_length(camera, depth, cylinder, position)?;
                 let deviation = DEPTH_PIXELS.get() * pixel;
                 Some(BodyEnd { position, deviation, sign: EndSign::Depth, recess: 0.0 })
             }
