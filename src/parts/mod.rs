@@ -5,6 +5,7 @@
 //! something else: a cap, which lies in the plane across the axis, or the inner wall of an open end. The depth tells
 //! them apart pixel by pixel, and the position where the one turns into the other follows from all of them together.
 
+mod bins;
 mod collar;
 mod ends;
 mod outline;
@@ -20,6 +21,7 @@ use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
 use crate::statistics::{LOWER_QUARTILE, lower_quartile_absolute, ordered};
+use bins::Bins;
 pub use collar::Collar;
 use collar::collars;
 use ends::{Beyond, EndSearch, most, pixel_length};
@@ -301,26 +303,11 @@ fn along_the_axis(sights: &[Sight]) -> List<Sight> {
     let per_length = stretches as f64 / (high - low);
     // Where there is no length all are in the first one.
     let stretch = |sight: &Sight| (((sight.position - low) * per_length) as u32 as usize).min(stretches - 1);
-    let mut ends = List::filled(0, stretches + 1);
-    for sight in sights {
-        ends[stretch(sight) + 1] += 1;
-    }
-    for k in 0..stretches {
-        ends[k + 1] += ends[k];
-    }
     // Numbers are moved about in place of whole sights.
-    let mut order = List::filled(0_u128, sights.len());
-    for (k, sight) in sights.iter().enumerate() {
-        let next = &mut ends[stretch(sight)];
-        order[*next] = u128::from(ordered(sight.position)) << 64 | k as u128;
-        *next += 1;
-    }
-    let mut begin = 0;
-    for end in &ends[..stretches] {
-        order[begin..*end].sort_unstable();
-        begin = *end;
-    }
-    order.iter().map(|&key| sights[key as u64 as usize]).collect()
+    let key = |k: usize| u128::from(ordered(sights[k].position)) << 64 | k as u128;
+    let mut order = Bins::new(stretches, (0..sights.len()).map(|k| (stretch(&sights[k]), key(k))));
+    (0..stretches).for_each(|stretch| order.of(stretch).sort_unstable());
+    order.values().iter().map(|&key| sights[key as u64 as usize]).collect()
 }
 
 /// Whether a ray meets a cylinder, or passes it, between positions along the axis.

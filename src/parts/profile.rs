@@ -1,5 +1,6 @@
 //! What is seen along the axis, slice by slice, off a line of it, and the stretches that are a step above that line.
 
+use super::bins::Bins;
 use super::ends::pixel_length;
 use crate::camera::Camera;
 use crate::geometry::Cylinder;
@@ -112,32 +113,20 @@ impl Profile {
             let slice = (along - slices.low) / slices.length;
             (0.0..count as f64).contains(&slice).then_some(slice as usize)
         };
-        // Dealt out to the slices: where the next value of each one goes, which is where it ends when all are dealt out.
-        let mut ends = List::filled(0, count + 1);
-        seen.iter().filter_map(|[along, _]| slice_of(*along)).for_each(|slice| ends[slice + 1] += 1);
-        for slice in 0..count {
-            ends[slice + 1] += ends[slice];
-        }
-        let mut values = List::filled(0.0, ends[count]);
-        for [along, value] in seen {
-            if let Some(slice) = slice_of(*along) {
-                values[ends[slice]] = *value;
-                ends[slice] += 1;
-            }
-        }
-        let range = |slice: usize| if slice == 0 { 0..ends[0] } else { ends[slice - 1]..ends[slice] };
-        let is_full = |slice: &usize| range(*slice).len() >= least;
-        let full = (0..count).filter(is_full).count();
-        if (full as f64) < LEAST_PART * count as f64 {
+        let by_slice = seen.iter().filter_map(|[along, value]| Some((slice_of(*along)?, *value)));
+        let mut bins = Bins::new(count, by_slice);
+        let full: List<usize> = (0..count).filter(|slice| bins.len_of(*slice) >= least).collect();
+        if (full.len() as f64) < LEAST_PART * count as f64 {
             return None;
         }
-        let all: usize = (0..count).filter(is_full).map(|slice| range(slice).len()).sum();
-        // Weights of 1 in the mean.
-        let slice = |slice: usize| match is_full(&slice) {
-            true => [(range(slice).len() * full) as f64 / all as f64, of(&mut values[range(slice)])],
-            false => [0.0; 2],
-        };
-        Self::off_a_line((0..count).map(slice).collect(), floor)
+        let all: usize = full.iter().map(|slice| bins.len_of(*slice)).sum();
+        let mut weighted = List::filled([0.0; 2], count);
+        for &slice in &full {
+            // Weights of 1 in the mean.
+            let weight = (bins.len_of(slice) * full.len()) as f64 / all as f64;
+            weighted[slice] = [weight, of(bins.of(slice))];
+        }
+        Self::off_a_line(weighted, floor)
     }
 
     /// The same without stretches, but that of one number, and so many slices beside them.
