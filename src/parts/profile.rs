@@ -14,12 +14,18 @@ const SLICES_OF_RADIUS: f64 = 24.0;
 /// The length of a slice in pixels at least: each has pixels of both sides then.
 const LEAST_PIXELS: f64 = 1.5;
 
-/// Fewest sights of a slice, fewest slices, fewest of a stretch and of the rest by their weights, and the part of the slices that must be full.
+/// Fewest sights of a slice of the depth that is full.
 pub(super) const LEAST_SIGHTS: usize = 4;
+
+/// Fewest slices, and fewest that are full.
 const LEAST_SLICES: usize = 8;
+
+/// The least part of the slices that is full.
+const LEAST_FULL: f64 = 0.4;
+
+/// Fewest slices of a stretch and of the rest, by their weights.
 const LEAST_OF_STRETCH: f64 = 2.0;
 const LEAST_OF_REST: f64 = 4.0;
-const LEAST_PART: f64 = 0.4;
 
 /// The part of the sights at either end of the surface that is left out.
 const TRIM: f64 = 0.005;
@@ -52,7 +58,7 @@ impl Slices {
     fn between([low, high]: [f64; 2], radius: f64, shortest: f64, seen: usize) -> Option<Self> {
         let count = ((high - low) / (radius / SLICES_OF_RADIUS).max(shortest)) as usize;
         // More slices than the sights can fill are none.
-        let most = seen as f64 / (LEAST_PART * LEAST_SIGHTS as f64);
+        let most = seen as f64 / (LEAST_FULL * LEAST_SIGHTS as f64);
         let enough = count >= LEAST_SLICES && count as f64 <= most;
         enough.then(|| Self { low, length: (high - low) / count as f64, count })
     }
@@ -116,7 +122,7 @@ impl Profile {
         let by_slice = seen.iter().filter_map(|[along, value]| Some((slice_of(*along)?, *value)));
         let mut bins = Bins::new(count, by_slice);
         let full: List<usize> = (0..count).filter(|slice| bins.len_of(*slice) >= least).collect();
-        if (full.len() as f64) < LEAST_PART * count as f64 {
+        if (full.len() as f64) < LEAST_FULL * count as f64 {
             return None;
         }
         let all: usize = full.iter().map(|slice| bins.len_of(*slice)).sum();
