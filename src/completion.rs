@@ -67,7 +67,7 @@ impl Fitter {
         mask: Option<&MaskView<'_>>,
         emit: &mut dyn FnMut(usize, usize, Option<Vector3<f64>>),
     ) -> Result<CompletionCounts> {
-        let seen = self.pose().inverse().cylinder(&self.model_or_result(call, model)?);
+        let seen = self.view().seen(&self.model_or_result(call, model)?);
         let region = Region::new(call, self, mask)?;
         let mut counts = CompletionCounts::default();
         for row in 0..region.mask.height() {

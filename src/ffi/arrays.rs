@@ -52,7 +52,7 @@ pub unsafe extern "C" fn cylfuse_fitter_residuals(
         }
         // Without a list in between, for which memory may run out.
         let cylinder = content.fitter.model_or_result("listing residuals", model.as_ref())?;
-        let seen = content.fitter.pose().inverse().cylinder(&cylinder);
+        let seen = content.fitter.view().seen(&cylinder);
         let distances = content.fitter.cloud().points().map(|point| seen.distance(&point));
         if distances.clone().any(|distance| !distance.is_finite()) {
             return Err(Error::Numerical { what: "the residuals" }.into());

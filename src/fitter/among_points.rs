@@ -66,7 +66,7 @@ impl Fitter {
         let mut best: Option<Body> = None;
         let near_known = |cylinder: &Cylinder| self.near_known(view, cylinder).map_or(0.0, |[both, _]| both);
         let worth = |body: &Body| {
-            let cylinder = view.pose().inverse().cylinder(&body.fit.result.cylinder);
+            let cylinder = view.seen(&body.fit.result.cylinder);
             let weight = weight(view, body.points.iter().copied());
             [near_known(&cylinder), weight].map(|of| body.score * of)
         };
@@ -103,7 +103,7 @@ impl Fitter {
 
     /// The cylinder that is known, in the coordinates of a view.
     fn known_in(&self, view: &View) -> Option<Cylinder> {
-        self.known_cylinder().map(|known| view.pose().inverse().cylinder(known))
+        self.known_cylinder().map(|known| view.seen(known))
     }
 
     /// The weight of the points of a view that are near a cylinder and near the one that is known, and of all that are near it, as parts
@@ -137,7 +137,7 @@ impl Fitter {
 
     /// The same of the cylinder of a fit.
     fn is_known(&self, view: &View, fit: &Fitted) -> bool {
-        self.is_near_known(view, &view.pose().inverse().cylinder(&fit.result.cylinder))
+        self.is_near_known(view, &view.seen(&fit.result.cylinder))
     }
 
     /// Whether a body is meant and not a first fit to all points, which it contradicts: not one beside the cylinder that is known where
@@ -164,9 +164,8 @@ impl Fitter {
             unless_cancelled(self.fit_of_points(view, region, Some(cylinder), run)).map(Result::ok)
         };
         let Some(mut fitted) = fit(&region, &detection.cylinder, run)? else { return Ok(None) };
-        let into_view = view.pose().inverse();
         if !whole {
-            let cylinder = into_view.cylinder(&fitted.result.cylinder);
+            let cylinder = view.seen(&fitted.result.cylinder);
             let grown = grown(&cylinder, region.iter().map(point_of), |_| (0..).zip(view.cloud.points()));
             let grown: List<usize> = grown.into_iter().map(|k| k as usize).collect();
             let again = if grown.len() < FEWEST { None } else { fit(&grown, &cylinder, run)? };
@@ -175,7 +174,7 @@ impl Fitter {
                 (region, fitted) = (grown, again);
             }
         }
-        let cylinder = into_view.cylinder(&fitted.result.cylinder);
+        let cylinder = view.seen(&fitted.result.cylinder);
         let is_one = !fitted.result.flags.contains(Flags::POOR_FIT)
             && is_round(&cylinder, region.iter().map(point_of));
         Ok(is_one.then_some(Body { fit: fitted, points: region, score: detection.score, plane: None }))
@@ -236,7 +235,7 @@ pub(super) struct On<'a> {
 
 impl<'a> On<'a> {
     pub fn new(view: &'a View, fit: &FitResult) -> Self {
-        let cylinder = view.pose().inverse().cylinder(&fit.cylinder);
+        let cylinder = view.seen(&fit.cylinder);
         Self { view, cylinder, reach: TUKEY_EFFICIENT * fit.point_scale }
     }
 
@@ -266,9 +265,7 @@ impl Body {
     /// Whether its points contradict a first fit to all points of the view, and those beyond it belong to something else.
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub fn contradicts(&self, first: &Fitted, view: &View) -> bool {
-        let into_view = view.pose().inverse();
-        let [first_cylinder, cylinder] =
-            [&first.result, &self.fit.result].map(|fit| into_view.cylinder(&fit.cylinder));
+        let [first_cylinder, cylinder] = [first, &self.fit].map(|fit| view.seen(&fit.result.cylinder));
         let scatter =
             |of: &Cylinder| median_absolute(self.points.iter().map(|&k| of.distance(&view.cloud.point(k))));
         if !contradict(&self.fit.result, &first.result)

@@ -118,8 +118,7 @@ impl Fitter {
     fn drawn_again(&self, masked: &[Option<View>], cylinder: &Cylinder, factor: f64) -> List<Option<View>> {
         let again = |view: &View| {
             let needed = view.image().is_some() && view.mask_ends_with_depth();
-            let seen = view.pose().inverse().cylinder(cylinder);
-            needed.then(|| view.with_sides_of(&seen, factor)).flatten()
+            needed.then(|| view.with_sides_of(&view.seen(cylinder), factor)).flatten()
         };
         self.views_or(masked).map(again).collect()
     }

@@ -94,7 +94,7 @@ struct Known {
 fn known(view: &View, camera: &Camera, options: &Options, start: Option<&Cylinder>) -> Known {
     let sample: List<_> = view.cloud.sampled(SAMPLE).collect();
     let explains = |cylinder: &Cylinder| median_distance(cylinder, &sample) <= KNOWN * cylinder.radius;
-    let given = start.map(|start| view.pose().inverse().cylinder(start)).filter(explains);
+    let given = start.map(|start| view.seen(start)).filter(explains);
     if given.is_some() {
         return Known { cylinder: given, of_limbs: None, given: true };
     }

@@ -120,7 +120,7 @@ impl Fitter {
         fit: (Fitted, List<usize>),
         run: &mut Run<'_>,
     ) -> Result<(Fitted, List<usize>, List<PlaneBeside>)> {
-        let in_view = |fit: &Fitted| view.pose().inverse().cylinder(&fit.result.cylinder);
+        let in_view = |fit: &Fitted| view.seen(&fit.result.cylinder);
         let some = spread(view.cloud.len(), ENOUGH_POINTS_TO_FIT);
         let refit = |before: &Fitted, rest: &[usize]| {
             let again = self.fit_of_points(view, rest, Some(&in_view(before)), run);

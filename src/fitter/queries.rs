@@ -49,7 +49,7 @@ impl Fitter {
     /// holds a residual; `OutOfMemory`.
     pub fn residuals(&self, cylinder: Option<&Cylinder>, kind: ResidualKind) -> Result<Vec<f64>> {
         let view = self.view();
-        let seen = view.pose().inverse().cylinder(&self.model_or_result("listing residuals", cylinder)?);
+        let seen = view.seen(&self.model_or_result("listing residuals", cylinder)?);
         let residuals = match kind {
             ResidualKind::Points => listed(view.cloud.len(), view.cloud.points().map(|p| seen.distance(&p)))?,
             ResidualKind::Edges => {
@@ -108,7 +108,7 @@ impl Fitter {
     pub fn point_parts(&self, cylinder: Option<&Cylinder>) -> Result<Vec<Part>> {
         let cylinder = self.model_or_result("telling the parts of the points", cylinder)?;
         let view = self.view();
-        let seen = view.pose().inverse().cylinder(&cylinder);
+        let seen = view.seen(&cylinder);
         self.memory.lend(|| {
             let parts = view.parts(&seen, &self.options.noise);
             let parts = parts.unwrap_or_else(|| Parts::of_points(&seen, view.cloud.points()));

@@ -29,7 +29,7 @@ impl Fitter {
         const CALL: &str = "selecting edges";
         check_segments(segments)?;
         not_negative("reach", reach)?;
-        let cylinder = self.pose().inverse().cylinder(&self.model_or_result(CALL, model)?);
+        let cylinder = self.view().seen(&self.model_or_result(CALL, model)?);
         let missing = |missing, remedy| Error::BadState { call: CALL, missing, remedy };
         let camera = self.camera().ok_or_else(|| missing("intrinsics", "set the intrinsics first"))?;
         let axis = &cylinder.axis;

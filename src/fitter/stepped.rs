@@ -8,7 +8,7 @@ use super::body::body;
 use super::points_alone::is_as_good;
 use super::run::Run;
 use super::view::View;
-use super::{FitResult, Fitted, Fitter, Flags};
+use super::{Fitted, Fitter, Flags};
 use crate::error::{Result, unless_cancelled};
 use crate::geometry::Cylinder;
 use crate::memory::List;
@@ -33,7 +33,7 @@ impl Fitter {
             let mut views = self.views_or(&bodies);
             let (Some(view), None) = (views.next(), views.next()) else { break };
             run.check()?;
-            let cylinder = seen(view, &fit.result);
+            let cylinder = view.seen(&fit.result.cylinder);
             let Some([from, to]) = step(view, &cylinder) else { break };
             let along = |k: usize| cylinder.axis.position_of(&view.cloud.point(k));
             let of_body = |k: &usize| !(from..=to).contains(&along(*k));
@@ -58,7 +58,7 @@ impl Fitter {
             if !self.options.is_robust() || view.mask.is_none() || view.is_body || is_told(index) {
                 return None;
             }
-            let cylinder = seen(view, &fit.result);
+            let cylinder = view.seen(&fit.result.cylinder);
             step(view, &cylinder)?;
             body(view, &self.options, &cylinder)
         };
@@ -70,11 +70,6 @@ impl Fitter {
         let again = unless_cancelled(self.fit_views(drawn, run))?;
         Ok(again.ok().filter(|again| is_as_good(&fit.result, &again.result)).unwrap_or(fit))
     }
-}
-
-/// The cylinder of a fit in the coordinates of a view.
-fn seen(view: &View, fit: &FitResult) -> Cylinder {
-    view.pose().inverse().cylinder(&fit.cylinder)
 }
 
 /// The smaller part of the points of a view along a cylinder where a clear step divides them.

@@ -147,6 +147,11 @@ impl View {
         self.frame.pose()
     }
 
+    /// A cylinder in the coordinates of the view.
+    pub fn seen(&self, cylinder: &Cylinder) -> Cylinder {
+        self.pose().inverse().cylinder(cylinder)
+    }
+
     /// The depth on the grid of the image.
     pub fn depth(&self) -> Option<&DepthImage> {
         self.frame.depth_on_image()
