@@ -29,11 +29,7 @@ impl Fitter {
     /// The fit to the body that a search finds in the image grid of a view without mask and edges; `None` where it finds none.
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn fit_among_pixels(&self, run: &mut Run<'_>) -> Result<Option<Fitted>> {
-        let is_chosen = !matches!(self.options.start, StartKind::Auto | StartKind::Last);
-        let [view] = &self.views[..] else { return Ok(None) };
-        if is_chosen || view.is_body || !self.options.is_robust() {
-            return Ok(None);
-        }
+        let Some(view) = self.searched_view() else { return Ok(None) };
         let Some(masked) = view.with_pixels_of_points() else { return Ok(None) };
         let Some(region) = self.likely_region(&masked, run)? else { return Ok(None) };
         let part = weight(&masked, region.points.iter().copied());
@@ -54,6 +50,15 @@ impl Fitter {
         let fitted = fit.made_with.bodies.first_mut().and_then(Option::take).unwrap_or(body);
         let made_with = MadeWith { bodies: std::iter::once(Some(fitted)).collect(), ..fit.made_with };
         Ok(Some(Fitted { made_with, ..fit }))
+    }
+
+    /// The only view, where a search may look for the body among its points: neither a mask or a detector has told the background, nor a
+    /// start the body.
+    pub(super) fn searched_view(&self) -> Option<&View> {
+        let is_chosen = !matches!(self.options.start, StartKind::Auto | StartKind::Last);
+        let [view] = &self.views[..] else { return None };
+        let is_searched = self.options.is_robust() && !is_chosen && !view.tells_background();
+        is_searched.then_some(view)
     }
 
     /// The region of the likely cylinder with most of the points, or of the one that is known.

@@ -8,7 +8,7 @@ use super::fit::AS_WELL;
 use super::plane_beside::{PlaneBeside, off_planes};
 use super::run::Run;
 use super::view::View;
-use super::{FitResult, Fitted, Fitter, Flags, StartKind};
+use super::{FitResult, Fitted, Fitter, Flags};
 use crate::error::{Error, Result, unless_cancelled};
 use crate::memory::List;
 use crate::observations::{ENOUGH_POINTS_TO_FIT, spread};
@@ -39,14 +39,8 @@ impl Fitter {
     /// The fit to the points of the body alone where these contradict the first one, which was to all of them, or where that failed.
     #[inline(never)] // Not inlined: its locals would enlarge the caller's stack frame.
     pub(super) fn fit_to_body(&self, first: Result<Fitted>, run: &mut Run<'_>) -> Result<Fitted> {
-        // Masks and detectors have told the background.
-        let tells = |view: &View| view.mask.is_some() || view.is_body;
-        let is_told = !self.options.is_robust() || self.views.iter().any(tells);
-        let is_chosen = !matches!(self.options.start, StartKind::Auto | StartKind::Last);
-        let searched = match &self.views[..] {
-            [view] if !is_told && !is_chosen => Some(view),
-            _ => None,
-        };
+        let is_told = !self.options.is_robust() || self.views.iter().any(View::tells_background);
+        let searched = self.searched_view();
         let first = match (first, searched) {
             (Ok(first), _) => first,
             // Two bodies may be explained best by something flat, a whole scene by something around the camera.

@@ -72,6 +72,11 @@ impl View {
         Self { frame, mask: Some(mask), mask_of_points: true, ..self.clone() }
     }
 
+    /// Whether a mask or a detector has told the background.
+    pub fn tells_background(&self) -> bool {
+        self.mask.is_some() || self.is_body
+    }
+
     /// Whether the sides of the mask say something of their own: not where they were drawn about the cylinder of a fit, nor
     /// where a detector found the body by the depth, which is smeared at the limbs.
     pub fn sides_tell(&self) -> bool {
