@@ -1,9 +1,10 @@
 //! One cylinder in several parts, and several cylinders in one.
 
 use super::DetectionOptions;
-use super::candidate::{Candidate, Look, Marks, Scene};
+use super::candidate::{Candidate, Marks, Scene};
 use super::search::{Judged, same};
 use super::surface::{REACH, Surface};
+use crate::geometry::Cylinder;
 use crate::memory::List;
 use nalgebra::Vector3;
 
@@ -87,67 +88,58 @@ fn joined(
     options: &DetectionOptions,
     marks: &mut Marks,
 ) -> Option<Judged> {
-    let (Surface::Cylinder(one, _), Surface::Cylinder(other, _)) =
-        (&a.candidate.surface, &b.candidate.surface)
-    else {
+    let (first, second) = (&a.candidate, &b.candidate);
+    let (Surface::Cylinder(one, _), Surface::Cylinder(other, _)) = (&first.surface, &second.surface) else {
         return None;
     };
-    let change = one.compare(other);
-    let radius = one.radius.max(other.radius);
-    if change.angle > MOST_TURN.get()
-        || one.radius.min(other.radius) < LEAST_WIDTH.get() * radius
-        || change.axis_distance > MOST_ASIDE.get() * radius
-    {
-        return None;
-    }
-    let middle = b.candidate.cells.iter().map(|&k| scene.grid.cells[k].point).sum::<Vector3<f64>>()
-        / b.candidate.cells.len() as f64;
-    if one.axis.distance(&middle) > MOST_BESIDE.get() * radius {
+    if !are_in_line(scene, [one, other], &second.cells) {
         return None;
     }
     marks.next();
-    let mut cells = List::new();
-    for &k in a.candidate.cells.iter().chain(&b.candidate.cells) {
-        if marks.set(k) {
-            cells.push(k);
-        }
-    }
-    let both = a.candidate.cells.len() + b.candidate.cells.len();
-    let are_apart = cells.len() as f64 >= APART.get() * both as f64;
-    let overlap = same(one, other) && cells.len() as f64 >= OVERLAP.get() * both as f64;
+    let cells = first.cells.iter().chain(&second.cells).copied();
+    let cells: List<usize> = cells.filter(|&k| marks.set(k)).collect();
+    let of_both = first.cells.len() + second.cells.len();
+    let are_apart = cells.len() as f64 >= APART.get() * of_both as f64;
+    let overlap = same(one, other) && cells.len() as f64 >= OVERLAP.get() * of_both as f64;
     if !are_apart && !overlap {
         return None;
     }
-    let all = cells.len();
-    let mut best: Option<(Look, Surface, List<usize>)> = None;
-    let again = scene.refit(&a.candidate.surface, &cells, a.candidate.sides, marks);
-    for surface in again.into_iter().chain([a.candidate.surface, b.candidate.surface]) {
+    let again = scene.refit(&first.surface, &cells, first.sides, marks);
+    let look_at = |surface: Surface| {
         let misfits = scene.misfits(&surface, &cells);
         let on = cells.iter().zip(&misfits).filter(|(_, misfit)| **misfit <= REACH.get() * REACH.get());
         let on: List<usize> = on.map(|(&k, _)| k).collect();
         let look = scene.look(&surface, &on, marks);
-        if best.as_ref().is_none_or(|(best, ..)| look.worth > best.worth) {
-            best = Some((look, surface, on));
-        }
-    }
-    let (look, surface, cells) = best?;
-    let gain = |of: &Judged| of.candidate.gain;
-    let (smaller, larger) = if gain(a) < gain(b) { (a, b) } else { (b, a) };
-    // What both explain counts once, and leaves nothing to fall short of.
-    let of_smaller = smaller.candidate.cells.len() as f64;
-    let (own, most_short) = match are_apart {
-        true => (1.0, SHARED_PART.get() * gain(smaller)),
-        false => (1.0 - (both - all) as f64 / of_smaller, 0.0),
+        (Candidate { surface, cells: on, gain: look.worth, sides: first.sides }, look)
     };
-    let short = own * gain(smaller) + gain(larger) - NUMBERS.get() - look.worth;
+    let looks = again.into_iter().chain([first.surface, second.surface]).map(look_at);
+    let joint = looks.reduce(|best, next| if next.0.gain > best.0.gain { next } else { best })?;
+    let (smaller, larger) = if first.gain < second.gain { (first, second) } else { (second, first) };
+    // What both explain counts once, and leaves nothing to fall short of.
+    let (own, most_short) = match are_apart {
+        true => (1.0, SHARED_PART.get() * smaller.gain),
+        false => (1.0 - (of_both - cells.len()) as f64 / smaller.cells.len() as f64, 0.0),
+    };
+    let short = own * smaller.gain + larger.gain - NUMBERS.get() - joint.0.gain;
     if short > most_short {
         return None;
     }
     // One that explains less must be a cylinder as surely as the less sure of both, but for a little.
     let least = if short > 0.0 { ALIKE.get() * f64::min(a.score, b.score) } else { 0.0 };
-    let candidate = Candidate { surface, cells, gain: look.worth, sides: a.candidate.sides };
-    Judged::new(scene, (candidate, look), options, marks)
+    Judged::new(scene, joint, options, marks)
         .filter(|judged| judged.evidence.seen_through < MOST_THROUGH.get() && judged.score >= least)
+}
+
+/// Whether two cylinders may be parts of one, by where they and the cells of the second one are.
+fn are_in_line(scene: &Scene<'_>, [one, other]: [&Cylinder; 2], cells_of_other: &[usize]) -> bool {
+    let change = one.compare(other);
+    let (narrower, wider) = (one.radius.min(other.radius), one.radius.max(other.radius));
+    let points = cells_of_other.iter().map(|&k| scene.grid.cells[k].point);
+    let middle = || points.sum::<Vector3<f64>>() / cells_of_other.len() as f64;
+    change.angle <= MOST_TURN.get()
+        && narrower >= LEAST_WIDTH.get() * wider
+        && change.axis_distance <= MOST_ASIDE.get() * wider
+        && one.axis.distance(&middle()) <= MOST_BESIDE.get() * wider
 }
 
 /// A surface and its cells.

@@ -51,7 +51,7 @@ impl EndSearch<'_> {
     /// The end by depth, by the far rim where that is less certain; `None` where neither tells one.
     pub fn end(&self, beyond: &Beyond<'_>) -> Option<BodyEnd> {
         let pixel = pixel_length(self.camera, self.cylinder, beyond.inner.position)?;
-        let of_depth = self.depth_pixel() * pixel;
+        let of_depth = depth_pixel(self.depth) * pixel;
         let by_depth = (against(beyond.votes) >= self.least)
             .then(|| self.by_cap(beyond, of_depth).or_else(|| self.by_leaving(beyond, of_depth)))
             .flatten();
@@ -59,11 +59,6 @@ impl EndSearch<'_> {
             Some(end) if end.deviation <= FAR_RIM_PIXELS.get() * pixel => Some(end),
             _ => self.by_far_rim(beyond, pixel).or(by_depth),
         }
-    }
-
-    /// The size of the pixels in which the depth was measured, in pixels of the image, or of these where they are larger.
-    fn depth_pixel(&self) -> f64 {
-        self.depth.pixel().max(1.0)
     }
 
     /// The end where the depth turns from the surface to what is behind; `None` where the mask ends before it has. `pixel` is the length
@@ -99,7 +94,7 @@ impl EndSearch<'_> {
         }
         // Matching windows draw the depth of two rims that are near to each other over the end.
         let apart = rims_apart(camera, cylinder, position)
-            .is_some_and(|pixels| pixels >= SURPLUS.get() * self.depth_pixel());
+            .is_some_and(|pixels| pixels >= SURPLUS.get() * depth_pixel(self.depth));
         let pixels = if apart { CAP_PIXELS } else { DEPTH_PIXELS };
         let deviation = (SHARED_PART.get() * spread).max(pixels.get() * pixel);
         let far = self.rims().far(outward, DEPTH_ODDS.get(), noise);
@@ -127,7 +122,7 @@ impl EndSearch<'_> {
         // Nor where the surface itself is seen beyond it.
         let past = votes_past(true);
         let on_surface = past.iter().filter(|vote| **vote > 0.0).count();
-        let surplus = SURPLUS.get() * self.depth_pixel() * pixel;
+        let surplus = SURPLUS.get() * depth_pixel(self.depth) * pixel;
         let nothing = (beyond.inner.position - position) * outward > surplus;
         (!nothing && 2 * on_surface <= past.len()).then_some(BodyEnd {
             position,
@@ -162,6 +157,21 @@ pub(super) fn pixel_length(camera: &Camera, cylinder: &Cylinder, position: f64) 
     let step = 0.01 * cylinder.radius;
     let moved = camera.project(&(point + cylinder.axis.direction * step))? - camera.project(&point)?;
     Some(step / moved.norm()).filter(|length| length.is_finite())
+}
+
+/// The same of a pixel of the depth, see [`depth_pixel`].
+pub(super) fn depth_pixel_length(
+    camera: &Camera,
+    depth: &DepthImage,
+    cylinder: &Cylinder,
+    position: f64,
+) -> Option<f64> {
+    Some(depth_pixel(depth) * pixel_length(camera, cylinder, position)?)
+}
+
+/// The size of the pixels in which the depth was measured, in pixels of the image, where these are not larger.
+fn depth_pixel(depth: &DepthImage) -> f64 {
+    depth.pixel().max(1.0)
 }
 
 /// How far the far rim of the end at a position is from the near one in the image, in pixels.

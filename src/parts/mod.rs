@@ -24,7 +24,7 @@ use crate::statistics::{LOWER_QUARTILE, lower_quartile_absolute, ordered};
 use bins::Bins;
 pub use collar::Collar;
 use collar::collars;
-use ends::{Beyond, EndSearch, most, pixel_length};
+use ends::{Beyond, EndSearch, depth_pixel_length, most};
 use nalgebra::Vector3;
 use shoulder::shoulder;
 pub(crate) use sight::extremes;
