@@ -206,7 +206,7 @@ typedef int32_t cylfuse_status;
  */
 #define CYLFUSE_STATUS_BUFFER_TOO_SMALL (-7)
 /**
- * Memory could not be allocated.
+ * Memory could not be allocated: pass less data at once, or free memory.
  */
 #define CYLFUSE_STATUS_OUT_OF_MEMORY (-8)
 /**
@@ -222,7 +222,8 @@ typedef int32_t cylfuse_status;
  */
 #define CYLFUSE_STATUS_INVALID_INTRINSICS (-11)
 /**
- * Fewer usable points than a cylinder has degrees of freedom.
+ * Too few usable points. A fit needs 5, as many as a cylinder has degrees of freedom; a plan needs 8 points with
+ * independent noise.
  */
 #define CYLFUSE_STATUS_TOO_FEW_POINTS (-20)
 /**
@@ -386,7 +387,7 @@ typedef int32_t cylfuse_edge_use;
  */
 typedef int32_t cylfuse_extent_rule;
 /**
- * LOCATED for the objective ROBUST, EXTREMES for PAPER and for the methods other than FUSED.
+ * LOCATED for the method FUSED with the objective ROBUST, EXTREMES otherwise.
  */
 #define CYLFUSE_EXTENT_RULE_AUTO 0
 /**
@@ -512,7 +513,7 @@ typedef struct cylfuse_options {
      */
     double mask_noise;
     /**
-     * Blur of the image, the standard deviation of a Gauss curve in pixels, 0 or greater. Default 0 = from the image.
+     * Blur of the image, the standard deviation of a Gaussian in pixels, 0 or greater. Default 0 = from the image.
      */
     double image_blur;
     /**
@@ -810,8 +811,10 @@ typedef struct cylfuse_depth_view {
 } cylfuse_depth_view;
 
 /**
- * A mask in the caller's memory, one byte a pixel, on the pixels of the colour image: which pixels show the lateral
- * surface of the cylinder. Its boundary may be some pixels off: it is a hint and never measured.
+ * A mask in the caller's memory, one byte a pixel, on the pixels of the colour image: which pixels show the cylinder. It
+ * may hold the lateral surface alone, or the whole object with caps, lids and handles: with the objective ROBUST a fit
+ * leaves out what the depth image shows to be no part of the lateral surface. Its boundary may be some pixels off: it is a
+ * hint and never measured.
  */
 typedef struct cylfuse_mask_view {
     /**
@@ -827,8 +830,8 @@ typedef struct cylfuse_mask_view {
      */
     uint32_t height;
     /**
-     * In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are its surface. 0 = all
-     * pixels that are not 0.
+     * In an image of labels, that of the cylinder, 1 to 255: the pixels of this value are the mask. 0 = all pixels that
+     * are not 0.
      */
     uint32_t label;
     /**
@@ -1150,8 +1153,9 @@ typedef uint32_t cylfuse_result_flags;
 #define CYLFUSE_RESULT_FLAGS_AXIS_AT_LIMIT 16384
 /**
  * The data do not tell how uncertain the result is, and deviations and covariance are NaN: fewer than eight points
- * are independent, some degree of freedom is not determined, or the coordinates are coarser than the noise of the
- * points.
+ * are independent, some degree of freedom is not determined, the coordinates are coarser than the noise of the points
+ * (RESOLUTION_LOST), or most points lie on the cylinder to the last digit and more than a tenth do not, as of a few
+ * pixels of depth in coarse steps. Only with the methods FUSED and POINTS: the others never state an uncertainty.
  */
 #define CYLFUSE_RESULT_FLAGS_UNCERTAINTY_UNKNOWN 32768
 /**
@@ -1173,7 +1177,8 @@ typedef uint32_t cylfuse_result_flags;
  * camera, more than a quarter of the radius. A mask that holds much else than the cylinder does that, or wrong poses.
  * Or what they leave has a shape along the axis that no cylinder has, as a bent pipe or a sphere does. Or they lie on two
  * planes, as the sides of a box do. Or points without a mask lie on several surfaces: the cylinder has less than half
- * of those that are on no plane or less than a quarter of all, or a plane holds a quarter of its own.
+ * of those that are on no plane or less than a quarter of all, or a plane holds a quarter of its own. Or they are off the
+ * cylinder together by a twentieth of the radius: fewer than a fiftieth of them are independent.
  */
 #define CYLFUSE_RESULT_FLAGS_POOR_FIT 262144
 /**
@@ -1185,12 +1190,15 @@ typedef uint32_t cylfuse_result_flags;
 #define CYLFUSE_RESULT_FLAGS_BODY_TAPERS 524288
 /**
  * The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of an
- * image of 640 x 480), by more than 3 standard deviations of the radius, and not because something in front or the
- * border of the image ends it. Depth and image are misaligned, the depth is smeared beyond the body, or the mask holds
- * something else. Only where fewer than two limbs of a view were located or given. Or no limb was seen, and the points
- * contest the radius by the sides of the mask, or would scatter 3 times as much if these were followed. Or the mask
- * holds another body: more than a tenth of its pixels, without those beside its outline, have points outside of the
- * cylinder and of its lids and rings.
+ * image of 640 x 480, or three times `mask_noise` where that is more), by more than 3 standard deviations of the radius,
+ * and not because something in front or the border of the image ends it. Depth and image are misaligned, the depth is
+ * smeared beyond the body, or the mask holds something else. Only where fewer than two limbs of a view were located or
+ * given. Or no limb was seen, and the radius by the sides of the mask and that by the points differ by more than 2.5
+ * standard deviations, or the points would scatter 3 times as much if the sides were followed. Or the mask holds another
+ * body: more than a tenth of its pixels, without those beside its outline, have points outside of the cylinder and of its
+ * lids and rings. Where an image but no mask was pushed, that is said of the points. The sides are not checked of a mask
+ * that ends where the depth does (MASK_ENDS_WITH_DEPTH) or was made of the points. Nothing is checked of the region of a
+ * detector, nor where the camera is inside the cylinder.
  */
 #define CYLFUSE_RESULT_FLAGS_MASK_DISAGREES 1048576
 
@@ -1533,15 +1541,18 @@ typedef int32_t cylfuse_end_state;
  */
 typedef int32_t cylfuse_end_source;
 /**
- * The extreme point completed over the mask.
+ * The extreme point completed over the mask: by the extent rule EXTREMES, or where no line along the surface ends in
+ * the mask.
  */
 #define CYLFUSE_END_SOURCE_EXTREME 0
 /**
- * Where the lines along the surface leave the mask.
+ * Where the lines along the surface leave the mask, or where within the mask the depth shows that the body ends: at a cap,
+ * an opening, a shoulder or a narrower part. Also where the image shows an arc that is less certain than that.
  */
 #define CYLFUSE_END_SOURCE_MASK 1
 /**
- * The arc of the end circle in the image.
+ * Mostly the arc of the end circle in the image: it is joined with mask and depth by the variances, and is the more
+ * certain.
  */
 #define CYLFUSE_END_SOURCE_IMAGE 2
 /**
@@ -3003,8 +3014,8 @@ CYLFUSE_NOEXCEPT;
  * @param fitter the fitter
  * @param out_result where the result goes; `cylfuse_result_init` comes before. May be NULL.
  * @param out_estimate where the cylinder goes; `cylfuse_cylinder_estimate_init` comes before. May be NULL.
- * @return TOO_FEW_POINTS, PLANAR_POINTS, COLLINEAR_POINTS, NO_START, NUMERICAL when the data do not determine a
- *   cylinder; UNSUPPORTED, BAD_STATE, EDGE_GEOMETRY when they do not go with the options; OUT_OF_MEMORY; CANCELLED.
+ * @return TOO_FEW_POINTS for fewer than 5 usable points, PLANAR_POINTS, COLLINEAR_POINTS, NO_START, NUMERICAL when the data
+ *   do not determine a cylinder; UNSUPPORTED, BAD_STATE, EDGE_GEOMETRY when they do not go with the options; OUT_OF_MEMORY; CANCELLED.
  *   The last result stays then. Lack of convergence and other warnings are not errors but fields of the result.
  */
 CYLFUSE_API
@@ -3404,8 +3415,8 @@ CYLFUSE_NOEXCEPT;
  * @param out_scatter room for 4 doubles: the standard deviations of captures of one scene about each other, of radius,
  *   direction (radians), position of the axis and length; NaN for the length where an end lies outside the image
  * @param out_total room for 4 doubles: the same of a measurement about the truth, which is what a fit states
- * @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when too few pixels see the cylinder, NUMERICAL where the view
- *   does not determine it, STRUCT_SIZE; nothing is written then
+ * @return INVALID_ARGUMENT, INVALID_INTRINSICS, TOO_FEW_POINTS when the pixels that see the cylinder are worth fewer than 8
+ *   points with independent noise, NUMERICAL where the view does not determine it, STRUCT_SIZE; nothing is written then
  */
 CYLFUSE_API
 cylfuse_status cylfuse_plan(const struct cylfuse_intrinsics *intrinsics,
