@@ -177,7 +177,7 @@ fn may_hold_more(view: &View, fit: &Fitted) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fitter::Options;
+    use crate::fitter::{Options, StartKind};
     use crate::geometry::{AxisCone, Cylinder, CylinderLimits, RigidMotion, any_orthogonal};
     use crate::observations::PointsView;
     use crate::statistics::random_number as number;
