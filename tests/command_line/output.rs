@@ -276,11 +276,11 @@ fn without_a_mask_all_pixels_are_fitted_and_that_is_said() {
     assert!((length / 0.107 - 1.0).abs() < 0.05, "{length}");
     assert!(object["completion"].is_null());
     assert_eq!(object["fitted"], "all_measured_pixels");
-    assert!(object["notes"][0].as_str().unwrap().starts_with("no mask: all 4211 measured pixels"));
+    assert!(object["notes"][0].as_str().unwrap().starts_with("no mask: 4211 measured pixels were fitted"));
     assert!(out.join("overlay.png").exists() && !out.join("completed.ply").exists());
     copy.json["mask"] = Value::Null;
     let table = run(["fit", copy.write().to_str().unwrap()]);
-    assert!(table.stdout.contains("no mask: all 4211 measured pixels"), "{}", table.stdout);
+    assert!(table.stdout.contains("no mask: 4211 measured pixels were fitted"), "{}", table.stdout);
 }
 
 #[test]

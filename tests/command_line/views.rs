@@ -191,7 +191,7 @@ fn views_without_a_mask_or_an_image_are_taken_with_the_others() {
     assert_near(&object, 0.01);
     assert_eq!(object["fitted"], "all_measured_pixels");
     assert!(
-        object["notes"][0].as_str().unwrap().starts_with("no mask in view 0: all"),
+        object["notes"][0].as_str().unwrap().starts_with("no mask in view 0: the pixels that were fitted"),
         "{}",
         object["notes"]
     );
