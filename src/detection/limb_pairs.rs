@@ -4,7 +4,7 @@ use super::candidate::Scene;
 use super::edges::Edge;
 use super::rays::passes;
 use super::surface::{REACH, Tangent};
-use crate::geometry::{Cylinder, LimbFrame, Line};
+use crate::geometry::{Cylinder, LimbFrame, Line, rejection};
 use crate::memory::List;
 use nalgebra::{SMatrix, SVector, Vector2, Vector3};
 
@@ -278,8 +278,8 @@ impl Scene<'_> {
         }
         let generator = Vector3::new(along.x, along.y, 0.0) / w - ray * (fit[2] / (0.5 * length) / (w * w));
         let direction = generator.normalize();
-        let flat = (near - direction * near.dot(&direction)).normalize();
-        let cylinder = Cylinder { axis: Line { point: near + flat * radius, direction }, radius };
+        let away = rejection(&near, &direction).normalize();
+        let cylinder = Cylinder { axis: Line { point: near + away * radius, direction }, radius };
         Some(Pair { cylinder, cells, length: length / pixel })
     }
 

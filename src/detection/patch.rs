@@ -6,7 +6,7 @@
 use super::candidate::Marks;
 use super::grid::Grid;
 use super::moments::Moments;
-use crate::geometry::{Cylinder, Line};
+use crate::geometry::{Cylinder, Line, rejection};
 use nalgebra::{Matrix2, Matrix3, Matrix4, Vector2, Vector3, Vector4, Vector6};
 use std::f64::consts::FRAC_PI_4;
 
@@ -205,7 +205,7 @@ pub(super) fn strip(grid: &Grid, moments: &Moments) -> Option<Cylinder> {
     let direction = (Vector3::new(along.x, along.y, 0.0) / w - ray * (slope / (w * w))).normalize();
     let point = ray / w;
     let radius = 0.5 * width * grid.spacing / w;
-    let away = (point - direction * point.dot(&direction)).try_normalize(0.0)?;
+    let away = rejection(&point, &direction).try_normalize(0.0)?;
     // So far behind the mean of the front is the axis.
     finite(point + away * (FRAC_PI_4 * radius), direction, radius)
 }

@@ -2,7 +2,7 @@
 
 use super::EndState;
 use crate::camera::Camera;
-use crate::geometry::{Cylinder, any_orthogonal};
+use crate::geometry::{Cylinder, any_orthogonal, rejection};
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask, pixel_at};
 use nalgebra::{Vector2, Vector3};
@@ -192,18 +192,18 @@ impl Surroundings<'_> {
     fn rim(&self, position: f64) -> impl Iterator<Item = Vector3<f64>> {
         let Cylinder { axis, radius } = *self.cylinder;
         let end = axis.at(position);
-        let across = end - axis.direction * end.dot(&axis.direction);
+        let across = rejection(&end, &axis.direction);
         let distance = across.norm();
         let inside = self.cylinder.contains_origin();
-        let toward = if distance > 0.0 { -across / distance } else { any_orthogonal(&axis.direction).0 };
-        let sideways = axis.direction.cross(&toward);
+        let facing = if distance > 0.0 { -across / distance } else { any_orthogonal(&axis.direction).0 };
+        let sideways = axis.direction.cross(&facing);
         // From outside the surface is visible up to the limbs, at acos(r / ‖c‖) from the line of sight; from
         // inside all of it.
         let half_arc =
             if inside { std::f64::consts::PI } else { (radius / distance).acos() } * ARC_PART.get();
         (0..GENERATORS.count()).map(move |k| {
             let angle = half_arc * (2.0 * k as f64 / (GENERATORS.count() - 1) as f64 - 1.0);
-            end + (toward * angle.cos() + sideways * angle.sin()) * radius
+            end + (facing * angle.cos() + sideways * angle.sin()) * radius
         })
     }
 }

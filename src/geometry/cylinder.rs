@@ -1,6 +1,6 @@
 //! The infinite cylinder: distance, rays, walls, comparison.
 
-use super::line::Line;
+use super::line::{Line, rejection};
 use crate::error::{Error, Result, positive};
 use nalgebra::Vector3;
 
@@ -102,7 +102,7 @@ impl Cylinder {
         let d = &self.axis.direction;
         let c = self.axis.nearest_to_origin();
         // Everything in the plane across the axis: |t k − c|² = r².
-        let k = ray - d * ray.dot(d);
+        let k = rejection(ray, d);
         let a = k.norm_squared();
         let b = k.dot(&c);
         let kxc = k.cross(&c).norm_squared();
@@ -136,8 +136,7 @@ impl Cylinder {
         let d = self.axis.direction;
         let mut walls = Walls::default();
         for p in points {
-            let w = p - self.axis.point;
-            let outward = w - d * w.dot(&d);
+            let outward = rejection(&(p - self.axis.point), &d);
             walls.total += 1;
             walls.visible += usize::from((outward.dot(&p) < 0.0) != inside);
         }

@@ -54,14 +54,13 @@ impl Line {
     #[must_use]
     pub fn nearest_to_origin(&self) -> Vector3<f64> {
         // Subtracting twice removes what rounding leaves along the direction when the point is far away.
-        let c = self.point - self.direction * self.point.dot(&self.direction);
-        c - self.direction * c.dot(&self.direction)
+        rejection(&rejection(&self.point, &self.direction), &self.direction)
     }
 
     /// Where the ray `t · ray` from the origin passes nearest to the line: t, not finite for a ray along the line.
     #[must_use]
     pub fn nearest_on_ray(&self, ray: &Vector3<f64>) -> f64 {
-        let across = ray - self.direction * ray.dot(&self.direction);
+        let across = rejection(ray, &self.direction);
         across.dot(&self.point) / across.norm_squared()
     }
 
@@ -172,6 +171,12 @@ impl From<OrthonormalLine> for Line {
     fn from(line: OrthonormalLine) -> Self {
         PluckerLine::from(line).into()
     }
+}
+
+/// The part of a vector across a unit vector.
+#[inline]
+pub(crate) fn rejection(vector: &Vector3<f64>, direction: &Vector3<f64>) -> Vector3<f64> {
+    vector - direction * vector.dot(direction)
 }
 
 /// Signed distance of a point of a plane from the line through two others.

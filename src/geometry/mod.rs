@@ -25,7 +25,7 @@ pub use cylinder::{Cylinder, CylinderComparison, Walls};
 pub use limbs::LimbFrame;
 pub use limits::{AxisCone, CylinderLimits};
 pub use line::Line;
-pub(crate) use line::across;
+pub(crate) use line::{across, rejection};
 pub use motion::RigidMotion;
 pub(crate) use plane::Plane;
 #[cfg(test)]

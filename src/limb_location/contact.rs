@@ -12,7 +12,7 @@
 
 use super::region::NEARER;
 use crate::camera::Camera;
-use crate::geometry::{Cylinder, Line};
+use crate::geometry::{Cylinder, Line, rejection};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, GreyImage, pixel_at};
@@ -159,7 +159,7 @@ impl<'a> Beyond<'a> {
 
     /// The depth of a limb on a ray: where the ray is nearest to the axis.
     fn limb_depth(&self, ray: &Vector3<f64>) -> f64 {
-        let across = ray - self.axis.direction * ray.dot(&self.axis.direction);
+        let across = rejection(ray, &self.axis.direction);
         let axis = self.axis.nearest_to_origin().dot(&across) / across.norm_squared();
         ray.z * axis * (1.0 - self.behind)
     }

@@ -3,7 +3,7 @@
 
 use super::contact::Beyond;
 use crate::camera::Camera;
-use crate::geometry::{Cylinder, Line};
+use crate::geometry::{Cylinder, Line, rejection};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask, pixel_at};
@@ -49,7 +49,7 @@ pub fn axial_range(
     let position = |pixel: Vector2<f64>| {
         let ray = camera.unproject(&pixel)?;
         let hit = cylinder.first_hit(&ray).unwrap_or_else(|| {
-            let across = ray - axis.direction * ray.dot(&axis.direction);
+            let across = rejection(&ray, &axis.direction);
             ray * (center.dot(&across) / across.norm_squared())
         });
         Some(axis.position_of(&hit)).filter(|position| position.is_finite())
@@ -239,7 +239,7 @@ impl<'a> Outline<'a> {
     /// The direction of the axis in the image, at the point of the axis that projects nearest to the middle.
     fn axis_in_image(&self, camera: &Camera, axis: &Line) -> Option<Vector2<f64>> {
         let ray = camera.ideal_ray(&self.center);
-        let across = ray - axis.direction * ray.dot(&axis.direction);
+        let across = rejection(&ray, &axis.direction);
         let nearest = ray * (axis.nearest_to_origin().dot(&across) / across.norm_squared());
         let step = axis.direction * (1e-3 * nearest.norm());
         let difference = camera.ideal_pixel(&(nearest + step))? - camera.ideal_pixel(&(nearest - step))?;

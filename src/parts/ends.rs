@@ -7,7 +7,7 @@ use super::{
     LEAST_RECESS, REACH, SHARED_PART, SURPLUS, Sight,
 };
 use crate::camera::Camera;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, rejection};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, Mask};
@@ -182,10 +182,8 @@ fn rims_apart(camera: &Camera, cylinder: &Cylinder, position: f64) -> Option<f64
 
 /// The points of the circle at a position along the axis that are nearest to the observer and farthest from it.
 fn middles_of_rims(cylinder: &Cylinder, position: f64) -> Option<[Vector3<f64>; 2]> {
-    let axis = &cylinder.axis;
-    let center = axis.at(position);
-    let across = center - axis.direction * center.dot(&axis.direction);
-    let away = across.try_normalize(0.0)? * cylinder.radius;
+    let center = cylinder.axis.at(position);
+    let away = rejection(&center, &cylinder.axis.direction).try_normalize(0.0)? * cylinder.radius;
     Some([center - away, center + away])
 }
 

@@ -3,7 +3,7 @@
 use super::WIDTH_PART;
 use super::ends::pixel_length;
 use crate::camera::Camera;
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, rejection};
 use crate::memory::List;
 use crate::noise::ImageNoise;
 use crate::observations::{DepthImage, pixel_at};
@@ -65,11 +65,11 @@ pub(crate) fn turn(
 fn excess(camera: &Camera, depth: &DepthImage, cylinder: &Cylinder, position: f64) -> Option<f64> {
     let axis = &cylinder.axis;
     let center = axis.at(position);
-    let toward = -(center - axis.direction * center.dot(&axis.direction)).try_normalize(0.0)?;
-    let side = axis.direction.cross(&toward);
+    let facing = -rejection(&center, &axis.direction).try_normalize(0.0)?;
+    let sideways = axis.direction.cross(&facing);
     let measured = |k: i32| {
         let sine = WIDTH_PART.get() * (2.0 * f64::from(k) / f64::from(GENERATORS - 1) - 1.0);
-        let normal = toward * (1.0 - sine * sine).sqrt() + side * sine;
+        let normal = facing * (1.0 - sine * sine).sqrt() + sideways * sine;
         let point = center + normal * cylinder.radius;
         let (column, row) = pixel_at(&camera.project(&point)?)?;
         Some(depth.depth(column, row)? - point.z)

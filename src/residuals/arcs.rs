@@ -125,19 +125,18 @@ impl ArcTerm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::rejection;
     use std::f64::consts::PI;
 
     fn scene() -> (LocalFrame, ArcTerm) {
         let cylinder =
             Cylinder::new(Vector3::new(0.01, -0.02, 0.7), Vector3::new(0.2, 0.95, 0.15), 0.03).unwrap();
         let frame = LocalFrame::new(&cylinder, &Vector3::new(0.03, 0.06, 0.66), 0.05);
-        let toward = -(cylinder.axis.point
-            - cylinder.axis.direction * cylinder.axis.point.dot(&cylinder.axis.direction))
-        .normalize();
-        let sideways = cylinder.axis.direction.cross(&toward);
+        let facing = -rejection(&cylinder.axis.point, &cylinder.axis.direction).normalize();
+        let sideways = cylinder.axis.direction.cross(&facing);
         let sample = |position: f64, k: i32, rim: Rim| {
             let angle = 0.2 * f64::from(k) + if rim == Rim::Far { PI } else { 0.0 };
-            let normal = toward * angle.cos() + sideways * angle.sin();
+            let normal = facing * angle.cos() + sideways * angle.sin();
             let ray = cylinder.axis.at(position) + normal * cylinder.radius;
             let widening = if rim == Rim::Far || position > 0.0 { (0.7 * f64::from(k)).sin() } else { 0.0 };
             ArcRay {

@@ -1,6 +1,6 @@
 //! Clouds of points for the tests of this folder.
 
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, rejection};
 use nalgebra::Vector3;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -54,13 +54,13 @@ impl Arc {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let d = self.cylinder.axis.direction;
         let c = self.cylinder.axis.point;
-        let toward = -(c - d * c.dot(&d)).normalize();
-        let sideways = d.cross(&toward);
+        let facing = -rejection(&c, &d).normalize();
+        let sideways = d.cross(&facing);
         (0..self.points)
             .map(|_| {
                 let angle = (2.0 * uniform(&mut rng) - 1.0) * self.half_angle;
                 let along = d * ((uniform(&mut rng) - 0.5) * self.length);
-                let normal_direction = toward * angle.cos() + sideways * angle.sin();
+                let normal_direction = facing * angle.cos() + sideways * angle.sin();
                 let radius = self.cylinder.radius + self.noise * normal(&mut rng);
                 if uniform(&mut rng) < self.outliers {
                     let box_point = Vector3::from_fn(|_, _| uniform(&mut rng) - 0.5);

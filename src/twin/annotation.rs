@@ -20,11 +20,11 @@ pub fn true_edges(truth: &TrueCylinder, camera: &Camera) -> Option<[[Vector2<f64
     if !(sine < 1.0) {
         return None;
     }
-    let toward = -nearest / distance;
-    let aside = axis.direction.cross(&toward);
+    let facing = -nearest / distance;
+    let aside = axis.direction.cross(&facing);
     let project = |side: f64, end: f64| {
         // Where a plane through the camera touches.
-        let across = toward * sine + aside * (side * (1.0 - sine * sine).sqrt());
+        let across = facing * sine + aside * (side * (1.0 - sine * sine).sqrt());
         let point =
             truth.center + across * truth.cylinder.radius + axis.direction * (end * 0.5 * truth.length);
         camera.project(&point)
@@ -93,14 +93,14 @@ pub(super) fn end_seen(
 ) -> bool {
     const SAMPLES: usize = 24;
     let axis = &truth.cylinder.axis;
-    let toward = -axis.nearest_to_origin().normalize();
-    let aside = axis.direction.cross(&toward);
+    let facing = -axis.nearest_to_origin().normalize();
+    let aside = axis.direction.cross(&facing);
     // A little inside of the end, where a lid does not stand in front of it.
     let middle = truth.center + axis.direction * (side * (0.5 * truth.length - 0.01 * truth.cylinder.radius));
     let seen = |k: usize| {
         let (sine, cosine) =
             libm::sincos(std::f64::consts::PI * ((k as f64 + 0.5) / SAMPLES as f64 - 0.5) * 0.9);
-        let point = middle + (toward * cosine + aside * sine) * truth.cylinder.radius;
+        let point = middle + (facing * cosine + aside * sine) * truth.cylinder.radius;
         camera.project(&point).is_some_and(|pixel| camera.contains(&pixel)) && visible(&point)
     };
     (0..SAMPLES).filter(|k| seen(*k)).count() * 10 >= SAMPLES * 9
