@@ -55,9 +55,8 @@ impl Ending<'_> {
     fn within_turn(&self, end: RoughEnd, outward: f64) -> RoughEnd {
         let EndSearch { camera, depth, content, noise, .. } = *self.search;
         let depth = depth.filter(|_| content == MaskContent::Region);
-        let turn = depth.and_then(|depth| {
-            turn(camera, depth, self.surroundings.cylinder, &noise, [end.position, outward])
-        });
+        let turn = depth
+            .and_then(|depth| turn(camera, depth, self.surroundings.cylinder, &noise, end.position, outward));
         let off = turn.map_or(0.0, |turn| (turn - end.position) / 3.0_f64.sqrt());
         RoughEnd { deviation: end.deviation.hypot(off), ..end }
     }

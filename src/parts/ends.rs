@@ -66,10 +66,8 @@ impl EndSearch<'_> {
     fn by_leaving(&self, beyond: &Beyond<'_>, pixel: f64) -> Option<BodyEnd> {
         let end = beyond.leaving(pixel);
         let (inner, outward) = (beyond.inner.position, beyond.outward);
-        let Some(position) = turn(self.camera, self.depth, self.cylinder, self.noise, [inner, outward])
-        else {
-            return Some(end);
-        };
+        let found = turn(self.camera, self.depth, self.cylinder, self.noise, inner, outward);
+        let Some(position) = found else { return Some(end) };
         let past = beyond.sights.iter().filter(|sight| (sight.position - position) * outward <= 0.0).count();
         let votes =
             if outward > 0.0 { &beyond.votes[past..] } else { &beyond.votes[..beyond.votes.len() - past] };

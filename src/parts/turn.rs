@@ -32,7 +32,8 @@ pub(crate) fn turn(
     depth: &DepthImage,
     cylinder: &Cylinder,
     noise: &ImageNoise,
-    [position, outward]: [f64; 2],
+    position: f64,
+    outward: f64,
 ) -> Option<f64> {
     let pixel = noise.pixel.max(depth.pixel()) * pixel_length(camera, cylinder, position)?;
     let step = LONGEST.get() * pixel / STEPS as f64;
@@ -48,15 +49,15 @@ pub(crate) fn turn(
         return None;
     }
     let half = 0.5 * behind;
-    let mut last = [0.0; 2];
+    let (mut steps_before, mut excess_before) = (0.0, 0.0);
     for k in 1..STEPS {
         let Some(excess) = excess_at(k) else { continue };
         if excess >= half {
-            let steps =
-                last[0] + (k as f64 - last[0]) * ((half - last[1]) / (excess - last[1])).clamp(0.0, 1.0);
+            let part = ((half - excess_before) / (excess - excess_before)).clamp(0.0, 1.0);
+            let steps = steps_before + (k as f64 - steps_before) * part;
             return Some(position + outward * step * steps);
         }
-        last = [k as f64, excess];
+        (steps_before, excess_before) = (k as f64, excess);
     }
     None
 }
