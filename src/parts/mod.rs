@@ -201,7 +201,7 @@ impl Parts {
         let ends = beyond.map(|beyond| {
             let end = search.end(&beyond)?;
             let pixel = depth_pixel_length(camera, depth, cylinder, end.position)?;
-            Some(shoulder(&end, &sights, cylinder.radius, [reach, pixel], beyond.outward).unwrap_or(end))
+            Some(shoulder(&end, &sights, cylinder.radius, reach, pixel, beyond.outward).unwrap_or(end))
         });
         let positions = ends.map(|end| Some(end?.position));
         let (collars, of_body) =

@@ -22,12 +22,13 @@ const SLICES: usize = 24;
 const SLICES_OF_RADIUS: f64 = 16.0;
 
 /// The end where a shoulder begins, in place of one by depth or far rim before which the depth leaves the surface little by little; `None`
-/// where it does so at once, and of a cap. The scales are the reach, and the length of a pixel along the axis.
+/// where it does so at once, and of a cap. `pixel` is the length of one along the axis.
 pub(super) fn shoulder(
     end: &BodyEnd,
     sights: &[Sight],
     radius: f64,
-    [reach, pixel]: [f64; 2],
+    reach: f64,
+    pixel: f64,
     outward: f64,
 ) -> Option<BodyEnd> {
     if end.sign == EndSign::Cap {
@@ -81,7 +82,7 @@ mod tests {
         let sights: Vec<Sight> = (0..1500).map(sight).collect();
         let leaves = sights.iter().find(|sight| sight.distance < -0.05).unwrap();
         let end = BodyEnd { position: leaves.position, deviation: 0.01, sign: EndSign::Depth, recess: 0.0 };
-        shoulder(&end, &sights, 1.0, [0.05, 0.01], 1.0)
+        shoulder(&end, &sights, 1.0, 0.05, 0.01, 1.0)
     }
 
     #[test]
