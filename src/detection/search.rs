@@ -91,10 +91,26 @@ const SEEDS: Seeds = Seeds { density: 1, most_visits: 3, strips: false };
 /// Most pairs of edges that are looked at closely, the longest first: a bound on the time.
 const MOST_PAIRS: usize = 200;
 
-/// Visits up to which each stage may go: pairs, patches, edges, joining, dividing, choice. What one leaves is for the next.
-/// The frames of ../shared/scenes take up to 2.2, 3.5, 4.2, 4.2, 5.4 and 5.4 million; scenes with more bodies than an image
+/// Visits up to which each stage may go. What one leaves is for the next.
+struct Limits {
+    pairs: u64,
+    patches: u64,
+    edges: u64,
+    joining: u64,
+    dividing: u64,
+    choice: u64,
+}
+
+/// The frames of ../shared/scenes take up to 1.7, 2.7, 3.1, 3.5, 4.3 and 4.3 million; scenes with more bodies than an image
 /// of 640 x 480 can show well, and depth that bends everywhere, a hundred million.
-const LIMITS: [u64; 6] = [4_000_000, 6_000_000, 7_000_000, 7_500_000, 9_000_000, 10_000_000];
+const LIMITS: Limits = Limits {
+    pairs: 4_000_000,
+    patches: 6_000_000,
+    edges: 7_000_000,
+    joining: 7_500_000,
+    dividing: 9_000_000,
+    choice: 10_000_000,
+};
 
 /// A candidate that was judged.
 pub(super) struct Judged {
@@ -144,18 +160,18 @@ pub(super) fn search(
     let scene = Scene::new(grid, noise, planes::open(grid, &planes), image, pixel, effort);
     let mut marks = Marks::of_open(&scene.open);
     let mut explained = vec![false; grid.cells.len()];
-    effort.limit(LIMITS[0]);
+    effort.limit(LIMITS.pairs);
     let mut found = by_pairs(&scene, options, &mut explained, &mut marks);
-    effort.limit(LIMITS[1]);
+    effort.limit(LIMITS.patches);
     let seeds = Seeds { strips: by_outline, ..SEEDS };
     // Of those that are alike the best alone is moved to edges.
     let by_depth = distinct(candidates(&scene, options, seeds, &mut explained, &mut marks));
-    effort.limit(LIMITS[2]);
+    effort.limit(LIMITS.edges);
     found.extend(by_edges(&scene, &by_depth, options, &mut marks));
     found.extend(by_depth);
     cancelled()?;
     let mut found = distinct(found);
-    effort.limit(LIMITS[3]);
+    effort.limit(LIMITS.joining);
     parts::join(&scene, &mut found, options, &mut marks);
     let mut cylinders = select(&scene, &mut found, options, &mut marks);
     cancelled()?;
@@ -393,9 +409,9 @@ fn select(
         if (left as f64) < LITTLE_LEFT.get() * all as f64 {
             continue;
         }
-        scene.effort.limit(LIMITS[4]);
+        scene.effort.limit(LIMITS.dividing);
         let parts = parts::divided(scene, &judged, options, marks);
-        scene.effort.limit(LIMITS[5]);
+        scene.effort.limit(LIMITS.choice);
         if let Some(parts) = parts {
             // They may be divided again.
             found.extend(parts);
