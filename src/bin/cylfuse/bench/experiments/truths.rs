@@ -6,7 +6,9 @@ use nalgebra::Vector3;
 
 /// What counts as a hit: the angle of the axes in degrees, the distance of the axes in true radii at the middle of what is
 /// seen, the relative error of the radius.
-const LIMITS: [f64; 3] = [5.0, 0.5, 0.15];
+const MOST_ANGLE: f64 = 5.0;
+const MOST_ACROSS: f64 = 0.5;
+const MOST_RADIUS: f64 = 0.15;
 
 /// A true cylinder.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +47,7 @@ impl Target {
         let angle = self.cylinder.axis.angle(&found.axis).to_degrees();
         let across = (found.axis.nearest_to(&self.middle) - self.middle).norm() / self.cylinder.radius;
         let radius = (found.radius / self.cylinder.radius - 1.0).abs();
-        let hit = angle <= LIMITS[0] && across <= LIMITS[1] && radius <= LIMITS[2];
+        let hit = angle <= MOST_ANGLE && across <= MOST_ACROSS && radius <= MOST_RADIUS;
         hit.then_some([across, angle, 100.0 * radius])
     }
 }
