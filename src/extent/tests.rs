@@ -348,6 +348,16 @@ fn points_and_image(scene: &Scene) -> (Vec<[f64; 3]>, Vec<f32>) {
     ((0..mask.len()).filter(|&k| mask[k] != 0).map(point).collect(), image)
 }
 
+fn fitted_to_points_and_image(scene: &Scene) -> Fitter {
+    let (points, image) = points_and_image(scene);
+    let mut fitter = Fitter::new();
+    fitter.set_intrinsics(Scene::intrinsics()).unwrap();
+    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
+    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
+    fitter.fit().unwrap();
+    fitter
+}
+
 #[test]
 fn points_alone_have_ends() {
     for tilt in [0.0, 0.3, -0.6] {
@@ -399,12 +409,7 @@ fn ends_of_points_are_as_uncertain_as_errors_are_alike() {
 #[test]
 fn points_with_an_image_have_their_ends_in_it() {
     let scene = Scene::tilted(0.3);
-    let (points, image) = points_and_image(&scene);
-    let mut fitter = Fitter::new();
-    fitter.set_intrinsics(Scene::intrinsics()).unwrap();
-    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
-    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
-    fitter.fit().unwrap();
+    let fitter = fitted_to_points_and_image(&scene);
     let found = fitter.extent(None, None).unwrap();
     for error in errors(&scene, &found) {
         assert!(error.abs() < 0.2, "{error} pixels");
@@ -416,12 +421,7 @@ fn points_with_an_image_have_their_ends_in_it() {
 #[test]
 fn a_mask_that_is_given_after_a_fit_without_one_is_a_drawn_one() {
     let scene = Scene::tilted(0.3);
-    let (points, image) = points_and_image(&scene);
-    let mut fitter = Fitter::new();
-    fitter.set_intrinsics(Scene::intrinsics()).unwrap();
-    fitter.push_points(&PointsView::from_f64(&points), None).unwrap();
-    fitter.push_image(&ImageView::from_f32(&image, SIZE).unwrap()).unwrap();
-    fitter.fit().unwrap();
+    let fitter = fitted_to_points_and_image(&scene);
     let mut mask = scene.render(0).2;
     let length =
         |mask: &[u8]| fitter.extent(None, Some(&MaskView::from_u8(mask, SIZE).unwrap())).unwrap().length;

@@ -4,7 +4,7 @@ use super::among_points::weight;
 use super::body::limits_in;
 use super::run::Run;
 use super::view::View;
-use super::{Fitted, Fitter, Flags, MadeWith, Options, StartKind};
+use super::{Fitted, Fitter, Flags, MadeWith, StartKind};
 use crate::detection::{DetectionOptions, detect_until, widened};
 use crate::error::{Result, unless_cancelled};
 use crate::geometry::Cylinder;
@@ -37,12 +37,7 @@ impl Fitter {
             return Ok(None);
         }
         let body = view.with_points(view.cloud.listed(&region.points), None);
-        let fitter = Self {
-            options: Options { start: StartKind::Model, ..self.options },
-            start: Some(view.pose().cylinder(&region.cylinder)),
-            views: vec![body.clone()],
-            ..Self::default()
-        };
+        let fitter = self.fitter_to(&body, Some(&region.cylinder));
         let Ok(mut fit) = unless_cancelled(fitter.fit_as_pushed(false, run))? else { return Ok(None) };
         if part < LEAST_ON {
             fit.result.flags |= Flags::POOR_FIT;

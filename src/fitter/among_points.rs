@@ -213,16 +213,20 @@ impl Fitter {
     ) -> Result<Fitted> {
         let mut body = view.with_points(view.cloud.listed(points), None);
         body.is_body = true;
-        let start = if cylinder.is_some() { StartKind::Model } else { StartKind::Auto };
-        let fitter = Self {
-            options: Options { start, ..self.options },
-            start: cylinder.map(|cylinder| view.pose().cylinder(cylinder)),
-            views: vec![body.clone()],
-            ..Self::default()
-        };
-        let fit = fitter.fit_views(List::new(), run)?;
+        let fit = self.fitter_to(&body, cylinder).fit_views(List::new(), run)?;
         let made_with = MadeWith { bodies: std::iter::once(Some(body)).collect(), ..fit.made_with };
         Ok(Fitted { made_with, ..fit })
+    }
+
+    /// A fitter with the same options to a body alone, from a cylinder in the coordinates of its view where one is known.
+    pub(super) fn fitter_to(&self, body: &View, cylinder: Option<&Cylinder>) -> Self {
+        let start = if cylinder.is_some() { StartKind::Model } else { StartKind::Auto };
+        Self {
+            options: Options { start, ..self.options },
+            start: cylinder.map(|cylinder| body.pose().cylinder(cylinder)),
+            views: vec![body.clone()],
+            ..Self::default()
+        }
     }
 }
 
