@@ -207,7 +207,8 @@ fn views_without_a_mask_or_an_image_are_taken_with_the_others() {
         view["mask"] = Value::Null;
     }
     let object = fitted(&views.write(&json), &[]);
-    assert!(object["notes"][0].as_str().unwrap().starts_with("no mask: all"));
+    let note = format!("no mask: {} measured pixels were fitted", object["result"]["points_used"]);
+    assert!(object["notes"][0].as_str().unwrap().starts_with(&note), "{}", object["notes"]);
     assert_eq!(object["extent"]["end_source"], "points");
     assert!(object["completion"].is_null());
 }
