@@ -33,8 +33,7 @@ pub enum Error {
     },
     /// Two images that share one pixel grid have different sizes.
     #[error(
-        "{name} is {width} x {height} but {other} is {other_width} x {other_height}; both must have the same size: {}",
-        to_one_size(name, other)
+        "{name} is {width} x {height} but {other} is {other_width} x {other_height}; both must have the same size: {remedy}"
     )]
     SizeMismatch {
         /// The image that was given.
@@ -49,6 +48,8 @@ pub enum Error {
         other_width: usize,
         /// The height to match.
         other_height: usize,
+        /// What to do about it.
+        remedy: &'static str,
     },
     /// A call came before something that it needs.
     #[error("{call} needs {missing}; {remedy}")]
@@ -273,18 +274,6 @@ impl Error {
             Error::Numerical { .. } => "NUMERICAL",
             Error::Cancelled { .. } => "CANCELLED",
         }
-    }
-}
-
-/// How two images come to have one size.
-fn to_one_size(name: &str, other: &str) -> &'static str {
-    let either = |what: &str| name.contains(what) || other.contains(what);
-    if either("mask") {
-        "scale the mask"
-    } else if either("depth image") && either("intrinsics") {
-        "register the depth to the image, or set the camera of the depth"
-    } else {
-        "scale the image, or set the intrinsics for its size"
     }
 }
 

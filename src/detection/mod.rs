@@ -68,7 +68,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result, cancelled_if};
 use crate::geometry::{Cylinder, CylinderLimits};
 use crate::memory::List;
-use crate::observations::{DepthImage, GreyImage, check_same_size};
+use crate::observations::{DepthImage, GreyImage, SCALE_IMAGE, check_same_size};
 use effort::Effort;
 use grid::{Grid, side_of_cells};
 use limb_pairs::{ImageEdges, ON_LIMB};
@@ -208,9 +208,9 @@ pub fn detect(
     image: Option<&GreyImage>,
     options: &DetectionOptions,
 ) -> Result<Detections> {
-    check_same_size("depth image", (depth.width(), depth.height()), "camera", camera.size())?;
+    check_same_size("depth image", (depth.width(), depth.height()), "camera", camera.size(), SCALE_IMAGE)?;
     if let Some(image) = image {
-        check_same_size("image", (image.width(), image.height()), "camera", camera.size())?;
+        check_same_size("image", (image.width(), image.height()), "camera", camera.size(), SCALE_IMAGE)?;
     }
     detect_until(camera, depth, image, options, &|| false)
 }

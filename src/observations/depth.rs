@@ -121,7 +121,7 @@ impl DepthImage {
     /// The size of the pixels that were measured, in pixels of this image: 1 unless its depth was carried to the grid of an image with
     /// other ones.
     #[must_use]
-    pub fn pixel(&self) -> f64 {
+    pub(crate) fn pixel(&self) -> f64 {
         self.pixel
     }
 

@@ -3,7 +3,7 @@
 use super::depth::{DepthImage, DepthRange};
 use super::image::GreyImage;
 use super::registration::Registration;
-use super::size::check_same_size;
+use super::size::{SCALE_IMAGE, check_same_size};
 use super::views::{DepthView, ImageView};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
@@ -42,6 +42,9 @@ const COLOR_GRID: &str = "the image of the intrinsics";
 /// The image of the depth camera, in texts about sizes.
 const DEPTH_GRID: &str = "the image of the depth camera";
 
+/// What to do about a depth image that does not have the size of the colour image.
+const REGISTER_DEPTH: &str = "register the depth to the image, or set the camera of the depth";
+
 impl Frame {
     /// A frame without images. `Frame::default()` has no camera either: the frame of a bare cloud.
     #[must_use]
@@ -60,10 +63,16 @@ impl Frame {
             return Ok(());
         }
         if let Some(image) = &self.image {
-            check_same_size(COLOR_GRID, camera.size(), "image", (image.width(), image.height()))?;
+            check_same_size(
+                COLOR_GRID,
+                camera.size(),
+                "image",
+                (image.width(), image.height()),
+                SCALE_IMAGE,
+            )?;
         }
         if let (Some(depth), None) = (&self.depth, &self.depth_camera) {
-            check_same_size(COLOR_GRID, camera.size(), "depth image", depth.size())?;
+            check_same_size(COLOR_GRID, camera.size(), "depth image", depth.size(), REGISTER_DEPTH)?;
         }
         self.registration = register(self.depth.as_deref(), self.depth_camera.as_ref(), Some(&camera))?;
         self.camera = Some(camera);
@@ -84,9 +93,9 @@ impl Frame {
     pub fn set_depth_camera(&mut self, depth_camera: Option<DepthCamera>) -> Result<()> {
         if let Some(depth) = &self.depth {
             if let Some(own) = &depth_camera {
-                check_same_size(DEPTH_GRID, own.camera.size(), "depth image", depth.size())?;
+                check_same_size(DEPTH_GRID, own.camera.size(), "depth image", depth.size(), SCALE_IMAGE)?;
             } else if let Some(camera) = &self.camera {
-                check_same_size(COLOR_GRID, camera.size(), "depth image", depth.size())?;
+                check_same_size(COLOR_GRID, camera.size(), "depth image", depth.size(), REGISTER_DEPTH)?;
             }
         }
         self.registration = register(self.depth.as_deref(), depth_camera.as_ref(), self.camera.as_ref())?;
@@ -104,8 +113,8 @@ impl Frame {
         range.check()?;
         let size = (depth.width(), depth.height());
         match &self.depth_camera {
-            Some(own) => check_same_size("depth image", size, DEPTH_GRID, own.camera.size())?,
-            None => check_same_size("depth image", size, COLOR_GRID, camera.size())?,
+            Some(own) => check_same_size("depth image", size, DEPTH_GRID, own.camera.size(), SCALE_IMAGE)?,
+            None => check_same_size("depth image", size, COLOR_GRID, camera.size(), REGISTER_DEPTH)?,
         }
         let depth = DepthImage::copy(depth)?;
         self.registration = register(Some(&depth), self.depth_camera.as_ref(), Some(camera))?;
@@ -131,7 +140,7 @@ impl Frame {
     /// [`GreyImage::copy`]. The earlier image stays then.
     pub fn set_image(&mut self, image: &ImageView<'_>) -> Result<()> {
         let camera = self.camera_for("pushing an image")?;
-        check_same_size("image", (image.width(), image.height()), COLOR_GRID, camera.size())?;
+        check_same_size("image", (image.width(), image.height()), COLOR_GRID, camera.size(), SCALE_IMAGE)?;
         self.image = Some(Arc::new(GreyImage::copy(image)?));
         Ok(())
     }

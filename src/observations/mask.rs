@@ -226,7 +226,7 @@ impl Mask {
     /// # Errors
     /// `SizeMismatch`.
     pub fn check_size(&self, other: &'static str, size: (usize, usize)) -> Result<()> {
-        check_same_size("mask", (self.width, self.height), other, size)
+        check_same_size("mask", (self.width, self.height), other, size, "scale the mask")
     }
 }
 

@@ -32,6 +32,7 @@ pub use points::{Offsets, PointCloud};
 pub(crate) use reduced::Squares;
 pub use reduced::{ReducedImage, from_reduced};
 pub use segments::{EdgeSegment, check_segments};
+pub(crate) use size::SCALE_IMAGE;
 pub use size::check_same_size;
 pub use strided::{Scalar, Strided};
 pub(crate) use views::LARGEST_STORED_DEPTH;

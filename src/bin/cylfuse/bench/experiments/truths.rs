@@ -4,10 +4,13 @@ use cylfuse::geometry::Cylinder;
 use cylfuse::twin::{Capture, Scene};
 use nalgebra::Vector3;
 
-/// What counts as a hit: the angle of the axes in degrees, the distance of the axes in true radii at the middle of what is
-/// seen, the relative error of the radius.
+/// The largest angle between the axes, in degrees, that counts as a hit.
 const MOST_ANGLE: f64 = 5.0;
+
+/// The largest distance of the axes at the middle of what is seen, in true radii.
 const MOST_ACROSS: f64 = 0.5;
+
+/// The largest relative error of the radius.
 const MOST_RADIUS: f64 = 0.15;
 
 /// A true cylinder.
