@@ -336,6 +336,27 @@ fn a_search_without_any_depth_says_so() {
     }
 }
 
+/// It said that there are no cylinders, and nothing else.
+#[test]
+fn a_search_in_coordinates_of_a_country_says_that_floats_are_too_coarse() {
+    let arc = |k: u16| {
+        let angle = f32::from(k % 100) * 0.02;
+        [5.0e5 + 0.2 * angle.sin(), 4.0e6 + f32::from(k / 100) * 0.03, 100.0 - 0.2 * angle.cos()]
+    };
+    for (offset, is_noted) in [([0.0; 3], true), ([5.0e5, 4.0e6, 100.0], false)] {
+        let header = "ply\nformat binary_little_endian 1.0\nelement vertex 5000\nproperty float x\nproperty float y\n\
+                      property float z\nend_header\n";
+        let points = (0..5000).map(arc).flat_map(|point| [0, 1, 2].map(|k| point[k] - offset[k]));
+        let file = header.bytes().chain(points.flat_map(f32::to_le_bytes)).collect::<Vec<u8>>();
+        let copy = Copy::new();
+        let cloud = copy.write().with_file_name("cloud.ply");
+        std::fs::write(&cloud, file).unwrap();
+        let searched = run(["detect", "--json", "--points", cloud.to_str().unwrap()]);
+        let notes = ["reach 4000001.5", "0.25 apart", "store them as doubles"];
+        assert_eq!(notes.map(|note| searched.stdout.contains(note)), [is_noted; 3], "{}", searched.stdout);
+    }
+}
+
 #[test]
 fn what_is_no_json_says_what_to_do() {
     let copy = Copy::new();

@@ -22,6 +22,10 @@ const WIDEST: f64 = 5.5;
 /// How far fx and fy differ at most: pixels are square to a few percent.
 const SQUARE: f64 = 1.2;
 
+/// The step of 32-bit floats, as a part of the size of a cloud, from which on small bodies lose their shape: of one 10 m wide these are
+/// steps of a millimetre.
+const LOST: f32 = 1e-4;
+
 /// The least number of different depths in an image of a scene that is not rounded to nothing.
 const LEAST_VALUES: usize = 8;
 
@@ -46,11 +50,29 @@ pub fn of_frame(views: &[View], radius_min: f64) -> Vec<String> {
 
 /// What may be wrong with a cloud that is searched. A fit of too few points fails.
 pub fn of_cloud(cloud: &Cloud) -> Option<String> {
-    let finite = match cloud {
-        Cloud::F32(points) => points.iter().flatten().any(|x| x.is_finite()),
-        Cloud::F64(points) => points.iter().flatten().any(|x| x.is_finite()),
+    let coordinates = |of: usize| match cloud {
+        Cloud::F32(points) => range(points.iter().map(|point| point[of])),
+        Cloud::F64(points) => range(points.iter().map(|point| point[of] as f32)),
     };
-    (!finite).then(|| "the cloud has no points; check how it was written".into())
+    let ranges = [coordinates(0), coordinates(1), coordinates(2)];
+    let [Some(x), Some(y), Some(z)] = ranges else {
+        return Some("the cloud has no points; check how it was written".into());
+    };
+    let largest = [x, y, z].as_flattened().iter().fold(0.0, |largest: f32, x| largest.max(x.abs()));
+    let size = [x, y, z].iter().fold(0.0, |size: f32, [low, high]| size.max(high - low));
+    let step = largest.next_up() - largest;
+    let is_lost = matches!(cloud, Cloud::F32(_)) && step > LOST * size;
+    is_lost.then(|| {
+        format!(
+            "the coordinates reach {largest}, where 32-bit floats are {step} apart; store them as doubles, or subtract an offset before"
+        )
+    })
+}
+
+/// The least and the largest of all numbers that are finite.
+fn range(numbers: impl Iterator<Item = f32>) -> Option<[f32; 2]> {
+    let finite = numbers.filter(|number| number.is_finite());
+    finite.map(|number| [number; 2]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
 }
 
 fn focal_lengths(camera: &str, intrinsics: &Intrinsics) -> Option<String> {

@@ -3,18 +3,21 @@
 
 use super::{Cloud, little_endian};
 use crate::canvas::color_of;
-use ply_rs_bw::parser::{Parser, Reader};
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType, ScalarType,
 };
+use std::borrow::Cow;
 use std::io::{Cursor, Write};
+
+/// What `ply-rs-bw` reads as infinite: more than a double holds.
+const INFINITE: &str = "1e999";
 
 /// Reads the vertices of a PLY file.
 pub fn parse(bytes: &[u8]) -> Result<Cloud, String> {
+    let bytes = &*with_infinite_numbers(bytes);
     let mut reader = Reader::new(Cursor::new(bytes));
-    let header = Parser::<Skipped>::new()
-        .read_header(&mut reader)
-        .map_err(|error| format!("bad PLY header: {error}"))?;
+    let header = Parser::<Skipped>::new().read_header(&mut reader).map_err(|error| bad("header", &error))?;
     let mut vertex = check(&header, bytes.len())?.clone();
     let mut wide = false;
     for name in ["x", "y", "z"] {
@@ -35,16 +38,42 @@ pub fn parse(bytes: &[u8]) -> Result<Cloud, String> {
     // Elements follow each other without an index: those before the vertices have to be read to be skipped.
     for element in header.elements.values().take_while(|element| element.name != "vertex") {
         let skipped = Parser::<Skipped>::new().read_payload_for_element(&mut reader, element, &header);
-        skipped.map_err(|error| format!("bad PLY element {}: {error}", element.name))?;
+        skipped.map_err(|error| bad(&format!("element {}", element.name), &error))?;
     }
     let vertices = Parser::<Vertex>::new()
         .read_payload_for_element(&mut reader, &vertex, &header)
-        .map_err(|error| format!("bad PLY vertices: {error}"))?;
+        .map_err(|error| bad("vertices", &error))?;
     Ok(if wide {
         Cloud::F64(vertices.iter().map(|v| v.0).collect())
     } else {
         Cloud::F32(vertices.iter().map(|v| v.0.map(|x| x as f32)).collect())
     })
+}
+
+/// What is wrong with a part of a file, without the characters that the grammar expects, which tell nobody anything.
+fn bad(part: &str, error: &ParseError) -> String {
+    let text = error.to_string();
+    let reason = text.split("\n\tError: Couldn't parse element line").next().unwrap_or(&text);
+    format!("bad PLY {part}: {reason}")
+}
+
+/// An ASCII file with an infinite number for every word that is no finite one: the grammar of `ply-rs-bw` knows neither `nan`, which PCL
+/// writes for points that were not measured, nor `inf`.
+fn with_infinite_numbers(bytes: &[u8]) -> Cow<'_, [u8]> {
+    const HEADER_ENDS: &str = "end_header";
+    // Binary files are no text, but for some of a few bytes.
+    let Ok(text) = std::str::from_utf8(bytes) else { return Cow::Borrowed(bytes) };
+    let Some((header, body)) = text.split_once(HEADER_ENDS) else { return Cow::Borrowed(bytes) };
+    if !header.contains("format ascii") {
+        return Cow::Borrowed(bytes);
+    }
+    let is_infinite = |word: &str| word.parse::<f64>().is_ok_and(|number| !number.is_finite());
+    let finite = |piece: &str| match piece.trim_ascii() {
+        word if is_infinite(word) => piece.replace(word, INFINITE),
+        _ => piece.to_owned(),
+    };
+    let body: String = body.split_inclusive(|c: char| c.is_ascii_whitespace()).map(finite).collect();
+    Cow::Owned([header, HEADER_ENDS, &body].concat().into_bytes())
 }
 
 /// The definition of the vertices; refuses headers that promise more than the file can hold.
@@ -176,6 +205,24 @@ mod tests {
                     property uchar red\nproperty double y\nproperty float x\nproperty int z\nend_header\n\
                     2 0.5 0.5\n255 0.1 2.5 -7\n";
         assert_eq!(parse(text.as_bytes()).unwrap(), Cloud::F64(vec![[2.5, 0.1, -7.0]]));
+    }
+
+    /// It said that it could not parse the line.
+    #[test]
+    fn points_that_were_not_measured_are_not_finite() {
+        let header = "ply\r\nformat ascii 1.0\r\ncomment nan\r\nelement vertex 4\r\nproperty float x\r\n\
+                      property float y\r\nproperty float z\r\nend_header\r\n";
+        for rows in [["nan nan nan", "-nan 1 NaN"], ["inf -inf 2", " -Infinity\t3 nan "]] {
+            let text = format!("{header}1 -2 3\r\n{}\r\n{}\r\n4 5 6", rows[0], rows[1]);
+            let Cloud::F64(points) = parse(text.as_bytes()).unwrap() else {
+                panic!("text is read as doubles")
+            };
+            assert_eq!((points.len(), points[0], points[3]), (4, [1.0, -2.0, 3.0], [4.0, 5.0, 6.0]));
+            assert!(points[1..3].iter().all(|point| point.iter().any(|x| !x.is_finite())));
+        }
+        let text = format!("{header}1 -2 3\nnana nan nan\n1 2 3\n4 5 6\n");
+        let error = parse(text.as_bytes()).unwrap_err();
+        assert!(error.contains("'nana") && !error.contains("expected one of"), "{error}");
     }
 
     #[test]
