@@ -79,7 +79,7 @@ const (
 	// cylinder has, or lie on two planes, as the sides of a box do.
 	FlagPoorFit Flags = C.CYLFUSE_RESULT_FLAGS_POOR_FIT
 	// FlagBodyTapers: the lines of both limbs turn against each other, so that the radius changes along the axis: the
-	// body is no cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.
+	// body is no cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do, or points without a camera tell it.
 	FlagBodyTapers Flags = C.CYLFUSE_RESULT_FLAGS_BODY_TAPERS
 	// FlagMaskDisagrees: the mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and
 	// the deviation of the radius says; or no limb was seen, and the radii by the mask and by the points differ by more than

@@ -1185,7 +1185,8 @@ typedef uint32_t cylfuse_result_flags;
  * The lines that the image shows of both limbs turn against each other, so that the radius changes along the axis: by more
  * than 3 standard deviations with 0.3 % of the length added for the lens. The body is no cylinder, or one of the lines
  * is no limb. Or, where fewer than two limbs of a view were located or given, the sides of the mask converge: by more
- * than 3 standard deviations, and by a slope of the radius of more than 0.05.
+ * than 3 standard deviations, and by a slope of the radius of more than 0.05. Or points without a camera tell it, as the limbs do:
+ * seen from one side, their axis may tilt by as much as the radius changes, which is in its stated deviation.
  */
 #define CYLFUSE_RESULT_FLAGS_BODY_TAPERS 524288
 /**

@@ -289,7 +289,8 @@ impl cylfuse_result_flags {
     /// The lines that the image shows of both limbs turn against each other, so that the radius changes along the axis: by more
     /// than 3 standard deviations with 0.3 % of the length added for the lens. The body is no cylinder, or one of the lines
     /// is no limb. Or, where fewer than two limbs of a view were located or given, the sides of the mask converge: by more
-    /// than 3 standard deviations, and by a slope of the radius of more than 0.05.
+    /// than 3 standard deviations, and by a slope of the radius of more than 0.05. Or points without a camera tell it, as the limbs do:
+    /// seen from one side, their axis may tilt by as much as the radius changes, which is in its stated deviation.
     pub const BODY_TAPERS: cylfuse_result_flags = cylfuse_result_flags(524288);
     /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of an
     /// image of 640 x 480, or three times `mask_noise` where that is more), by more than 3 standard deviations of the radius,

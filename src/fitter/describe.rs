@@ -9,7 +9,7 @@ use super::start::Candidate;
 use super::taper::Taper;
 use super::uncertainty::{DISAGREEMENT, ImageShift, MASK_DISAGREEMENT, RadiusComparison, Uncertainty};
 use crate::error::{Error, Result};
-use crate::geometry::{Cylinder, LocalFrame};
+use crate::geometry::{Cylinder, LocalFrame, Tangent};
 use crate::memory::List;
 use crate::noise::LARGEST_DEPTH_NOISE;
 use crate::observations::{Dropped, PointCloud};
@@ -180,13 +180,16 @@ impl Described<'_, '_> {
         // Where the noise is below the steps of the coordinates, what is left of the points is rounding, which is no noise.
         let unknown =
             self.is_coarse() && self.resolution() > scales.all || data.is_exact_by_chance(cylinder, scales);
+        let (taper_of_points, tilt) = data.taper_of_points(frame, scales).unzip();
+        let beside: List<Tangent> = data.bias_along_rays(frame, scales).into_iter().chain(tilt).collect();
         let (uncertainty, radii, shift) = match unknown {
             true => (None, None, None),
-            false => data.uncertainty(constraints, frame, scales, objective),
+            false => data.uncertainty(constraints, frame, scales, objective, &beside),
         };
         let (radii, by_sides) = if constraints.has_limbs() { (radii, None) } else { (None, radii) };
         let limbs = constraints.views.first().and_then(|view| view.limbs.as_ref());
-        let taper = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
+        let by_limbs = limbs.and_then(|limbs| data.taper(limbs, &data.canonical(cylinder), scales));
+        let taper = by_limbs.or(taper_of_points);
         Stated { uncertainty, radii, by_sides, shift, taper }
     }
 

@@ -493,6 +493,7 @@ impl<'a> SingleViewFit<'_, 'a, '_, '_> {
             &self.data.frame(&self.data.canonical(cylinder)),
             scales,
             &objective,
+            &[],
         );
         Ok(uncertainty.is_some_and(|of_points| (a - b).abs() > DISAGREEMENT * of_points.radius()))
     }

@@ -3,6 +3,7 @@
 //! [`Fitter`] holds what was pushed, by view. A fit reads it as immutable `Data` and runs through stages, each a function
 //! from the data and the value of the stage before to a new value; `fit.rs` shows them from top to bottom, `attempts.rs` the fits of a call.
 
+mod along_rays;
 mod among_pixels;
 mod among_points;
 mod arcs;

@@ -73,7 +73,8 @@ bitflags::bitflags! {
         /// The lines of both limbs turn against each other, so that the radius changes along the axis: by more than 3 standard
         /// deviations of [`FitResult::taper`] with 0.3 % of the length added for the lens. The body is no cylinder, or one
         /// of the lines is no limb. Or, where fewer than two limbs were located or given, the sides of the mask converge: by more
-        /// than 3 standard deviations, and by a slope of the radius of more than 0.05.
+        /// than 3 standard deviations, and by a slope of the radius of more than 0.05. Or points without a camera tell a taper, by as
+        /// much as limbs: seen from one side, their axis may tilt by as much as the radius changes, which is in its stated deviation.
         const BODY_TAPERS = 1 << 19;
         /// The mask ends beside a limb of the cylinder along most of the axis: by more than masks are off (5 pixels of 640 × 480,
         /// or three times the noise of masks where that is more), by more than 3 standard deviations of the radius, and not because
@@ -113,8 +114,9 @@ pub struct FitResult {
     pub radii: Option<RadiusComparison>,
     /// The shift between depth and image across the axis; `None` unless both limbs of a single view were located.
     pub shift: Option<ImageShift>,
-    /// By how much the radius grows along the axis; `None` unless a line was found at each limb of a single view. One that
-    /// the fit refused counts.
+    /// By how much the radius grows along the axis; `None` unless a line was found at each limb of a single view, where one that
+    /// the fit refused counts, or points of a single view without a camera tell it by more than 3 standard deviations: theirs comes
+    /// out up to a tenth too small.
     pub taper: Option<Taper>,
     /// The model that the iteration started from, moved into the limits; the largest component of its direction is
     /// positive.

@@ -44,19 +44,24 @@ const LEAST_INDEPENDENT: f64 = 8.0;
 
 impl Data<'_> {
     /// The uncertainty of a minimum, in the frame of the direction that a result shows, and its radius by points and by limbs or
-    /// the sides of a mask, where these take part.
+    /// the sides of a mask, where these take part. The minimum of the points may lie `beside` where it should by each of these steps.
     pub fn uncertainty(
         &self,
         constraints: &Constraints,
         frame: &LocalFrame,
         scales: &Scales,
         objective: &Sum<'_>,
+        beside: &[Tangent],
     ) -> (Option<Uncertainty>, Option<RadiusComparison>, Option<ImageShift>) {
         let cylinder = &frame.cylinder;
         if !self.tells_noise(cylinder, scales) {
             return (None, None, None);
         }
-        let Some(sandwich) = objective.sandwich(frame) else { return (None, None, None) };
+        let Some(mut sandwich) = objective.sandwich(frame) else { return (None, None, None) };
+        for step in beside {
+            let gradient = sandwich.points.derivative * step;
+            sandwich.points.covariance += gradient * gradient.transpose();
+        }
         let uncertainty = sandwich.covariance(&self.known()).map(|tangent| Uncertainty {
             frame: *frame,
             tangent,

@@ -422,7 +422,7 @@ class ResultFlags(IntFlag):
     #: cylinder has, or lie on two planes, as the sides of a box do.
     POOR_FIT = 262144
     #: The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
-    #: cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.
+    #: cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do, or points without a camera tell it.
     BODY_TAPERS = 524288
     #: The mask ends beside a limb of the cylinder along most of the axis, by more than masks are off and the deviation
     #: of the radius says; or no limb was seen, and the radii by the mask and by the points differ by more than 2.5 standard

@@ -78,7 +78,7 @@ public enum ResultFlag {
     POOR_FIT(262144),
     /**
      * The lines of both limbs turn against each other, so that the radius changes along the axis: the body is no
-     * cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do.
+     * cylinder, or one of the lines is no limb. Or, without them, the sides of the mask do, or points without a camera tell it.
      */
     BODY_TAPERS(524288),
     /**
