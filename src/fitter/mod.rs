@@ -46,6 +46,7 @@ mod stepped;
 mod subsample;
 mod taper;
 mod two_planes;
+mod two_walls;
 mod uncertainty;
 mod unmasked;
 mod view;

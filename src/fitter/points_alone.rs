@@ -54,6 +54,10 @@ impl Fitter {
         if is_told || first.made_with.constraints.has_lines() || first.result.points_used < FEWEST {
             return Ok(first);
         }
+        let first = match searched {
+            Some(view) => self.fit_to_one_wall(view, first, run)?,
+            None => first,
+        };
         let fit = match searched {
             Some(view) if may_hold_more(view, &first) => {
                 self.fit_among_surfaces(view, Some(&first), run)?.unwrap_or(first)
@@ -255,6 +259,23 @@ mod tests {
                 let off = (fit.cylinder.radius - 1.0).abs();
                 assert!(off < 3.0 * fit.uncertainty.unwrap().radius(), "{degrees}° {seed}: {off}");
             }
+        }
+    }
+
+    /// Half of the points were dropped, and the radius was up to 20 % off, without a warning.
+    #[test]
+    fn an_oval_tube_is_one_body() {
+        for seed in 0..12 {
+            let rng = &mut ChaCha8Rng::seed_from_u64(seed);
+            let point = |_| {
+                let (angle, along) = (std::f64::consts::PI * number(rng), 4.0 * number(rng));
+                let noise = 0.005 * number(rng);
+                [(1.1 + noise) * angle.cos(), (0.9 + noise) * angle.sin(), along]
+            };
+            let points: Vec<[f64; 3]> = (0..6000).map(point).collect();
+            let fit = of(&points).fit().unwrap();
+            assert!((fit.cylinder.radius - 1.0).abs() < 0.02, "{seed}: {}", fit.cylinder.radius);
+            assert!(fit.points_used > 5000, "{seed}: {}", fit.points_used);
         }
     }
 
