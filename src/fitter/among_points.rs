@@ -9,12 +9,12 @@ use crate::detection::{
     Detection, DetectionOptions, Looks, detect_points_until, grown, is_round, least_before_fit, widened,
 };
 use crate::error::{Result, unless_cancelled};
-use crate::geometry::Cylinder;
+use crate::geometry::{Cylinder, LocalFrame};
 use crate::memory::List;
 use crate::observations::{ENOUGH_POINTS_TO_FIT, PointsView, spread};
 use crate::residuals::TUKEY_EFFICIENT;
 use crate::statistics::median_absolute;
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, Vector2, Vector3};
 use std::cell::RefCell;
 
 constants! {
@@ -26,12 +26,12 @@ constants! {
 
     /// Where this part of the points is within `NEAR_FIRST` radii of the first cylinder, and the other part of those beyond a body
     /// within `NEAR_BODY` radii of that, all are one body that is no cylinder, such as an oval one. So they are where they lie all about
-    /// the axis: their directions from it are no longer than that in the mean.
+    /// the axis: by this variance of their directions from it, in that in which they vary least. All around it is a half.
     OF_FIRST = 0.8, "";
     NEAR_FIRST = 0.15, "radius";
     BESIDE_BODY = 0.5, "";
     NEAR_BODY = 0.25, "radius";
-    ALL_ABOUT = 0.5, "";
+    ALL_ABOUT = 0.25, "";
 }
 
 /// Cylinders of one look that are fitted, at most: the body that is meant has many of the points.
@@ -290,23 +290,28 @@ impl Body {
         let reach = TUKEY_EFFICIENT * self.fit.result.point_scale;
         // All points near the first cylinder; those beyond the body, that are near it, that lie on the first cylinder.
         let [mut all, mut of_first, mut others, mut of_body, mut on_first] = [0.0; 5];
-        let mut directions = Vector3::zeros();
+        let about_axis = LocalFrame::new(&first_cylinder, &first_cylinder.axis.point, 1.0);
+        let (mut direction, mut squares) = (Vector2::zeros(), Matrix2::zeros());
         for (k, point) in view.cloud.points().enumerate() {
             let weight = view.cloud.weight(k);
             let [from_first, from_body] =
                 [&first_cylinder, &cylinder].map(|cylinder| cylinder.distance(&point).abs());
             let within = |is_within: bool| if is_within { weight } else { 0.0 };
             all += weight;
-            let from_axis = point - first_cylinder.axis.nearest_to(&point);
-            directions +=
-                from_axis.try_normalize(0.0).map_or_else(Vector3::zeros, |direction| direction * weight);
+            let from_axis = point - first_cylinder.axis.point;
+            let across = Vector2::new(about_axis.u.dot(&from_axis), about_axis.v.dot(&from_axis));
+            let across = across.try_normalize(0.0).unwrap_or_default();
+            direction += across * weight;
+            squares += across * across.transpose() * weight;
             of_first += within(from_first <= NEAR_FIRST.get() * first_cylinder.radius);
             others += within(beyond[k]);
             of_body += within(beyond[k] && from_body <= NEAR_BODY.get() * cylinder.radius);
             let is_of_plane = plane.is_some_and(|plane| plane.holds(&point));
             on_first += within(beyond[k] && from_first <= reach && !is_of_plane);
         }
-        let are_all_about = directions.norm() <= ALL_ABOUT.get() * all;
+        let mean = direction / all;
+        let variances = (squares / all - mean * mean.transpose()).symmetric_eigenvalues();
+        let are_all_about = variances.min() >= ALL_ABOUT.get();
         let is_one =
             of_first >= OF_FIRST.get() * all && (are_all_about || of_body >= BESIDE_BODY.get() * others);
         !is_one && all - others > on_first

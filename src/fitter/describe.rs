@@ -181,7 +181,8 @@ impl Described<'_, '_> {
         let unknown =
             self.is_coarse() && self.resolution() > scales.all || data.is_exact_by_chance(cylinder, scales);
         let (taper_of_points, tilt) = data.taper_of_points(frame, scales).unzip();
-        let beside: List<Tangent> = data.bias_along_rays(frame, scales).into_iter().chain(tilt).collect();
+        let beside: List<Tangent> =
+            data.deviation_along_rays(frame, scales).into_iter().chain(tilt).collect();
         let (uncertainty, radii, shift) = match unknown {
             true => (None, None, None),
             false => data.uncertainty(constraints, frame, scales, objective, &beside),
