@@ -26,8 +26,12 @@ constants! {
     /// The outer part of a strip whose gaps count for the way from its last point to the end, unless there are hardly any.
     LAST_PART = 0.25, "length";
 
-    /// A gap this many times as long as the way to be expected may be the end of a strip.
+    /// A gap this many times as long as the way to be expected may be the end of a strip,
     DIVIDING = 8.0, "";
+
+    /// if it is so many times as long as the longest of the last ones as well: seen from inside a pipe, points become sparser with the
+    /// cube of the distance, and the last gap is the longest by far.
+    SPARSER = 3.0, "";
 
     /// What lies farther from the surface than this part of the radius is not on it, however much the points scatter.
     WIDEST = 0.5, "radius";
@@ -164,7 +168,7 @@ fn usual_way(positions: &[f64]) -> f64 {
 }
 
 /// How many of the positions, in order on the way out, are not beyond the surface of the middle one. It goes on over gaps of up to
-/// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, and behind a longer one where there are enough points for a piece
+/// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, or of [`SPARSER`] times the last ones, and behind a longer one where there are enough points for a piece
 /// of surface.
 fn on_surface_before(positions: &[f64], usual: f64) -> usize {
     let low = inner_part(positions)[0];
@@ -176,7 +180,9 @@ fn on_surface_before(positions: &[f64], usual: f64) -> usize {
         let gap = positions[k] - positions[k - 1];
         let is_wide = |way: f64| gap > DIVIDING.get() * way;
         let before = || usual_way(part_before(&positions[..kept], low));
-        if is_wide(usual) && is_wide(*way_before.get_or_insert_with(before)) {
+        let last = &positions[kept.saturating_sub(LEAST_POINTS.count() + 1)..kept];
+        let is_longest = || last.windows(2).all(|pair| gap > SPARSER.get() * (pair[1] - pair[0]));
+        if is_wide(usual) && is_longest() && is_wide(*way_before.get_or_insert_with(before)) {
             begin = k;
         }
         if begin == middle || k + 1 - begin >= LEAST_POINTS.count() {
@@ -313,6 +319,28 @@ mod tests {
                 assert_eq!((end.state, end.source), (EndState::Unknown, EndSource::Points));
             }
         }
+    }
+
+    /// As a scanner inside a pipe sees it, from the middle of 10 to 30 radii. The mean was 20 % too short, the worst 42 %; now 7 and 31 %.
+    #[test]
+    fn points_that_become_sparser_end_where_the_last_ones_are() {
+        let (mut rng, cylinder) = (ChaCha8Rng::seed_from_u64(3), cylinder());
+        let (mut parts, trials) = (vec![], 20);
+        for k in 0..trials {
+            let half = cylinder.radius * (5.0 + 10.0 * f64::from(k) / f64::from(trials));
+            let seen = |_| {
+                // Directions are evenly spread over a sphere.
+                let z = 2.0 * number(&mut rng) - 1.0;
+                (std::f64::consts::TAU * number(&mut rng), cylinder.radius * z / (1.0 - z * z).sqrt())
+            };
+            let seen: Vec<(f64, f64)> =
+                (0..10_000).map(seen).filter(|(_, along)| along.abs() < half).collect();
+            let [start, end] = ends(seen.iter().map(|(angle, along)| point(*angle, *along)));
+            parts.push((end.position - start.position) / (2.0 * half));
+        }
+        let [mean, least] =
+            [parts.iter().sum::<f64>() / 20.0, parts.iter().fold(1.0, |a, b| f64::min(a, *b))];
+        assert!(mean > 0.9 && least > 0.65, "{mean} {least}");
     }
 
     #[test]
