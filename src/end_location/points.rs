@@ -168,8 +168,8 @@ fn usual_way(positions: &[f64]) -> f64 {
 }
 
 /// How many of the positions, in order on the way out, are not beyond the surface of the middle one. It goes on over gaps of up to
-/// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, or of [`SPARSER`] times the last ones, and behind a longer one where there are enough points for a piece
-/// of surface.
+/// [`DIVIDING`] times the usual way to its end, in all or in the part before the gap, or of [`SPARSER`] times the last ones, and behind a
+/// longer one where there are enough points for a piece of surface.
 fn on_surface_before(positions: &[f64], usual: f64) -> usize {
     let low = inner_part(positions)[0];
     let middle = positions.len() / 2;

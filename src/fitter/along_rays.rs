@@ -77,7 +77,7 @@ mod tests {
     use rand_chacha::rand_core::SeedableRng;
 
     /// Means over many clouds of 2,000 points with noise of 4 % of the radius, all along z: docs/measurements-depth.md, "Noise along the
-    /// rays". Not a tenth of that was stated.
+    /// rays". At 60 degrees 0.4 of that was stated.
     #[test]
     fn noise_along_the_rays_is_stated_as_wide_as_it_makes_a_radius_too_small() {
         for (degrees, bias) in [(60.0, -0.018), (85.0, -0.0041)] {

@@ -343,10 +343,17 @@ fn a_search_in_coordinates_of_a_country_says_that_floats_are_too_coarse() {
         let angle = f32::from(k % 100) * 0.02;
         [5.0e5 + 0.2 * angle.sin(), 4.0e6 + f32::from(k / 100) * 0.03, 100.0 - 0.2 * angle.cos()]
     };
-    for (offset, is_noted) in [([0.0; 3], true), ([5.0e5, 4.0e6, 100.0], false)] {
+    let nowhere = |_| [0.0; 3];
+    let kinds: [(&dyn Fn(u16) -> [f32; 3], _, _); 3] = [
+        (&arc, [0.0; 3], true),
+        (&arc, [5.0e5, 4.0e6, 100.0], false),
+        // As cameras write what they did not measure.
+        (&nowhere, [0.0; 3], false),
+    ];
+    for (point, offset, is_noted) in kinds {
         let header = "ply\nformat binary_little_endian 1.0\nelement vertex 5000\nproperty float x\nproperty float y\n\
                       property float z\nend_header\n";
-        let points = (0..5000).map(arc).flat_map(|point| [0, 1, 2].map(|k| point[k] - offset[k]));
+        let points = (0..5000).map(point).flat_map(|point| [0, 1, 2].map(|k| point[k] - offset[k]));
         let file = header.bytes().chain(points.flat_map(f32::to_le_bytes)).collect::<Vec<u8>>();
         let copy = Copy::new();
         let cloud = copy.write().with_file_name("cloud.ply");

@@ -61,10 +61,11 @@ pub fn of_cloud(cloud: &Cloud) -> Option<String> {
     let largest = [x, y, z].as_flattened().iter().fold(0.0, |largest: f32, x| largest.max(x.abs()));
     let size = [x, y, z].iter().fold(0.0, |size: f32, [low, high]| size.max(high - low));
     let step = largest.next_up() - largest;
-    let is_lost = matches!(cloud, Cloud::F32(_)) && step > LOST * size;
+    // Of a single place nothing is lost.
+    let is_lost = matches!(cloud, Cloud::F32(_)) && size > 0.0 && step > LOST * size;
     is_lost.then(|| {
         format!(
-            "the coordinates reach {largest}, where 32-bit floats are {step} apart; store them as doubles, or subtract an offset before"
+            "the coordinates reach {largest}, where 32-bit floats are {step} apart; store them as doubles, or subtract an offset first"
         )
     })
 }
